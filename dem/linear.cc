@@ -1,0 +1,95 @@
+#include "dem/linear.h"
+
+#include <stdexcept>
+
+namespace dem {
+
+namespace {
+
+/// Sum over the steps and ramps of a loading before a time: step * kernel + ramp * integral.
+template <typename Kernel, typename Integral>
+double superposition(const Loading& loading, double time, Kernel&& kernel, Integral&& integral)
+{
+  double sum = 0, value = 0, slope = 0;
+  const std::vector<LoadPoint>& points = loading.points;
+  for (std::size_t k = 0; k < points.size() && points[k].time <= time; ++k) {
+    const double since = time - points[k].time;
+    const bool last = k + 1 == points.size();
+    const double length = last ? 0 : points[k + 1].time - points[k].time;
+    const double next_slope = length > 0 ? (points[k + 1].value - points[k].value) / length : 0.0;
+    const bool step = k == 0 || points[k].time == points[k - 1].time;
+    if (step)
+      sum += (points[k].value - value) * kernel(since);
+    sum += (next_slope - slope) * integral(since);
+    value = points[k].value;
+    slope = next_slope;
+  }
+  return sum;
+}
+
+} // namespace
+
+LinearModel make_linear_model(const Assembly& assembly)
+{
+  validate(assembly);
+  const std::optional<ProportionalLaws> laws = proportional_laws(assembly.laws);
+  if (!laws)
+    throw std::invalid_argument("the linear solver needs bond laws that are proportional to each "
+                                "other: one function of time for all bonds");
+  LinearModel model;
+  model.network = make_network(assembly);
+  model.creep = network_creep(laws->creep).law;
+  model.spectrum = relaxation_spectrum(model.creep);
+  const NetworkSolver solver(model.network, undamaged(model.network));
+  if (!solver.response())
+    throw std::runtime_error("the network cannot carry the load: " + solver.obstacle());
+  model.unit_response = *solver.response();
+  const Eigen::VectorXd& load = model.network.unit_load;
+  model.compliance = load.isZero(0) ? 0 : load.dot(model.unit_response) / load.norm();
+  model.area = assembly.area;
+  model.gauge_length = assembly.gauge_length;
+  return model;
+}
+
+double creep_compliance(const LinearModel& model, double t)
+{
+  return model.compliance * model.area / model.gauge_length * creep_compliance(model.creep, t);
+}
+
+std::complex<double> complex_modulus(const LinearModel& model, double omega)
+{
+  const double elastic = model.compliance * model.area / model.gauge_length;
+  return 1.0 / (elastic * complex_compliance(model.creep, omega));
+}
+
+LinearResponse linear_response(const LinearModel& model, const Loading& loading, double time)
+{
+  if (loading.true_stress)
+    throw std::invalid_argument("the linear solver takes nominal stress only");
+  const double prescribed = load_value(loading, time);
+  if (loading.control == Loading::Control::displacement)
+    return {superposition(
+                loading, time, [&](double t) { return relaxation(model.spectrum, t); },
+                [&](double t) { return relaxation_integral(model.spectrum, t); }) /
+                model.compliance,
+            prescribed};
+  const double creep = superposition(
+      loading, time, [&](double t) { return creep_compliance(model.creep, t); },
+      [&](double t) { return creep_compliance_integral(model.creep, t); });
+  return {prescribed, model.compliance * creep};
+}
+
+Eigen::VectorXd displacements(const LinearModel& model, const Loading& loading, double time)
+{
+  if (model.compliance == 0)
+    return Eigen::VectorXd::Zero(model.network.n_dofs);
+  return linear_response(model, loading, time).displacement / model.compliance *
+         model.unit_response;
+}
+
+Eigen::VectorXd elastic_displacements(const LinearModel& model, const Loading& loading, double time)
+{
+  return linear_response(model, loading, time).force * model.unit_response;
+}
+
+} // namespace dem

@@ -1,0 +1,86 @@
+#pragma once
+#include "dem/network_matrix.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace dem {
+
+/// A bond and what it becomes.
+struct BondChange {
+  Index bond;
+  BondStatus status;
+};
+
+/// How a network came to be what it is, in the steps in which a solver followed it. Enough to
+/// build a solver that continues bit for bit.
+struct Damage {
+  std::vector<BondStatus> status;               ///< of each bond, now
+  std::vector<BondStatus> factorised;           ///< of each bond, at the last factorisation
+  std::vector<std::vector<BondChange>> updates; ///< since then
+};
+
+/// Damage of a network whose bonds are all intact.
+Damage undamaged(const ElasticNetwork& network);
+
+/// Solves a network under its unit load while bonds leave.
+///
+/// The matrix is factorised now and then; in between, the removed modes A of the bonds enter by
+/// the identity of Woodbury on half-solved columns Y = L^-1 P A: K_now = L (I - Y Y^T) L^T. A new
+/// breakage costs one sparse half-solve of six columns along the elimination tree, their products
+/// with the columns before, and one back-solve. The Cholesky factor of I - Y^T Y grows by a border.
+class NetworkSolver {
+public:
+  /// Analyses the pattern, factorises and follows the updates of `damage`.
+  NetworkSolver(const ElasticNetwork& network, const Damage& damage);
+
+  /// The network after further changes. May factorise anew; whether it does depends on the damage
+  /// alone, not on how the solver came here.
+  Damage apply(Damage damage, std::span<const BondChange> changes);
+
+  /// Dofs under the unit load, or nothing if the network cannot carry it: `obstacle()` says why.
+  /// Residual at most 1e-11 of the load (one step of refinement if needed).
+  const std::optional<Eigen::VectorXd>& response() const { return response_; }
+  const std::string& obstacle() const { return obstacle_; }
+
+  const Pieces& pieces() const { return pieces_; }
+
+  /// Energy of the springs to ground over the energy of the network [-].
+  double ground_energy_share() const { return ground_energy_share_; }
+
+  struct Statistics {
+    int n_factorisations = 0, n_updates = 0, n_refinements = 0;
+    long n_factor_nonzeros = 0;
+  };
+  const Statistics& statistics() const { return statistics_; }
+
+private:
+  void factorise(std::span<const BondStatus> status);
+  bool update(std::span<const BondStatus> before, std::span<const BondChange> changes);
+  void respond(std::span<const BondStatus> status);
+  Eigen::VectorXd solved(const Eigen::VectorXd& half_solved_load,
+                         const Eigen::VectorXd& reduced_load) const;
+  Eigen::VectorXd reduced(const Eigen::VectorXd& half_solved_load) const;
+  Eigen::VectorXd grounded(std::span<const BondStatus> status, const Eigen::VectorXd& x) const;
+
+  const ElasticNetwork* network_;
+  SymmetricPattern pattern_;
+  SupernodalFactor factor_;
+  Pieces pieces_;
+  Eigen::VectorXd half_solved_load_;
+  std::vector<SupernodalFactor::SparseColumns> columns_; // one block per changed bond
+  std::vector<int> first_column_;                        // of each block
+  Eigen::MatrixXd cholesky_;                             // of I - Y^T Y, lower
+  Eigen::VectorXd reduced_load_;                         // cholesky_^-1 Y^T half_solved_load_
+  int n_columns_ = 0;
+  std::optional<Eigen::VectorXd> response_;
+  std::string obstacle_;
+  double ground_energy_share_ = 0;
+  Statistics statistics_;
+};
+
+} // namespace dem

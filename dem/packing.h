@@ -1,0 +1,44 @@
+#pragma once
+#include "dem/grading.h"
+#include "dem/particles.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dem {
+
+/// What a specimen should be.
+struct PackingRequest {
+  Cylinder container;
+  Grading grading;
+  std::size_t n_particles;
+  double solid_fraction;               ///< [-]
+  double density = 2700;               ///< of the particles [kg/m^3]
+  int min_contacts = 4;                ///< of every particle
+  double contact_gap = 1e-3;           ///< a gap up to this times the smaller radius is a contact
+  double residual_stress_bound = 30e3; ///< isotropic stress after preparation [Pa]
+  double preparation_stiffness = 3e6;  ///< of a contact, for the residual stress [N/m]
+};
+
+/// Diameters are scaled by this factor so that n particles of the grading fill the solid fraction.
+double size_scale(const PackingRequest& request);
+
+/// Dense frictionless packing in a rigid cylinder by radius expansion.
+///
+/// 1. Spheres of the grading at random places grow in stages; overlaps relax at each stage.
+/// 2. At the full size, while the packing is over-compressed, sizes wander: spheres under more
+///    than mean pressure change places in the size order with smaller ones. The sizes as a set do
+///    not change, the pressure falls.
+/// 3. Spheres with too few contacts grow, those under pressure shrink, at constant solid volume,
+///    until nearly all have enough contacts. The last ones are fitted into the cages of their
+///    neighbours. Sizes change by a few per cent; the report says by how much the grading moved.
+///
+/// Deterministic for a seed. The cost is linear in the number of particles. A target that the
+/// grading cannot reach is not an error: the report shows what came out.
+/// \throws std::invalid_argument for numbers out of range, or if the diameters would have to be
+///         scaled by more than 5 % (the message names the fitting number of particles)
+Particles grow_packing(const PackingRequest& request, std::uint64_t seed);
+
+} // namespace dem

@@ -1,0 +1,73 @@
+#pragma once
+#include "dem/types.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace dem {
+
+/// Sparsity of a symmetric matrix: row indices of the lower triangle, column by column, sorted.
+struct SymmetricPattern {
+  std::vector<int> column_start; ///< length n + 1
+  std::vector<int> row;
+
+  int size() const { return int(column_start.size()) - 1; }
+};
+
+/// Cholesky factor of a sparse symmetric positive definite matrix, K = L L^T up to a permutation.
+///
+/// CHOLMOD analyses (METIS ordering), factorises and stores L in supernodes. The triangular solves
+/// here work on those supernodes: a right-hand side with few entries touches only the columns on
+/// the paths from them to the root of the elimination tree, here a few thousand of 34,000.
+///
+/// "Half-solved" vectors are y = L^-1 P b, in the order of the factor.
+class SupernodalFactor {
+public:
+  /// Symbolic analysis. It serves every matrix with this pattern or a part of it.
+  explicit SupernodalFactor(const SymmetricPattern& pattern);
+  ~SupernodalFactor();
+  SupernodalFactor(SupernodalFactor&&) noexcept;
+  SupernodalFactor& operator=(SupernodalFactor&&) noexcept;
+
+  /// Numeric factorisation of the matrix with these values, in the order of the pattern.
+  /// \return false if the matrix is not positive definite
+  bool factorise(std::span<const double> values);
+
+  /// Half-solved columns, stored on the supernodes where they are not zero.
+  struct SparseColumns {
+    std::vector<int> supernode; ///< in increasing order
+    std::vector<int> first_row; ///< of each supernode in `values`
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
+  };
+
+  /// L^-1 P B for a matrix B with non-zero rows `rows` only; `entries` holds those rows.
+  SparseColumns half_solve(std::span<const Index> rows,
+                           const Eigen::Ref<const Eigen::MatrixXd>& entries) const;
+
+  /// L^-1 P b.
+  Eigen::VectorXd half_solve(const Eigen::VectorXd& b) const;
+
+  /// P^T L^-T y.
+  Eigen::VectorXd back_solve(Eigen::VectorXd y) const;
+
+  /// A^T B of half-solved columns.
+  Eigen::MatrixXd gram(const SparseColumns& a, const SparseColumns& b) const;
+
+  /// A^T y of half-solved columns and a full half-solved vector.
+  Eigen::VectorXd gram(const SparseColumns& a, const Eigen::VectorXd& y) const;
+
+  /// y += A c.
+  void add(const SparseColumns& a, const Eigen::Ref<const Eigen::VectorXd>& c,
+           Eigen::VectorXd& y) const;
+
+  long n_nonzeros() const; ///< of L
+
+private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+} // namespace dem
