@@ -30,6 +30,7 @@ struct Assembly {
   Particles particles;
   std::vector<Support> support; ///< one per particle
   std::vector<BondLaw> laws;
+  std::vector<PairLaw> pair_laws; ///< law of new contacts, by the classes of the two particles
   Bonds bonds;
   std::optional<Strengths> strengths; ///< absent: bonds do not break
   std::vector<ParticleLoad> loads;    ///< empty: the platen is loaded

@@ -2,40 +2,13 @@
 #include "dem/load_history.h"
 #include "dem/loading.h"
 #include "dem/network_solver.h"
+#include "dem/records.h"
 
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace dem {
-
-/// What broken bonds leave behind in the small-displacement solvers.
-enum class AfterBreakage {
-  leave,  ///< nothing
-  pressed ///< a contact without friction while it is pressed; it leaves when its force would pull
-};
-
-enum class BreakMode : std::uint8_t { tension, shear };
-
-/// One broken bond.
-struct Breakage {
-  double time; ///< [s]
-  Index bond;
-  BreakMode mode;
-  double normal_force;    ///< before it broke [N], tension positive
-  double shear_force;     ///< before it broke [N]
-  double strength_factor; ///< strength over reference strength [-]
-  double strain;          ///< of the specimen just before [-]
-  int pass;               ///< how many batches broke before it at the same instant
-};
-
-/// Where a run stands.
-enum class RunEnd : std::uint8_t {
-  running,
-  finished,        ///< the end of the load history
-  strain_limit,    ///< the specimen has strained as much as was asked
-  lost_equilibrium ///< no equilibrium with the bonds that are left
-};
 
 /// A specimen under load for the event solver: does not change during a run.
 ///
@@ -70,17 +43,6 @@ struct EventsState {
   double largest_ground_share = 0;     ///< of energy in the springs to ground, so far
   RunEnd end = RunEnd::running;
   std::string end_reason;
-};
-
-/// What the specimen shows at a time.
-struct Response {
-  double time;            ///< [s]
-  double force;           ///< on the upper platen [N], or load factor [-]
-  double strain;          ///< [-]
-  double strain_rate;     ///< that counts for the strengths [1/s]
-  double strength_factor; ///< [-]
-  double compliance;      ///< elastic displacement per force of the present network [m/N]
-  long n_broken;
 };
 
 /// Exact solution from one breakage to the next.

@@ -57,6 +57,37 @@ double load_rate(const Loading& loading, double time)
   return (after->value - before.value) / (after->time - before.time);
 }
 
+double load_integral(const Loading& loading, double time)
+{
+  const std::vector<LoadPoint>& points = loading.points;
+  double sum = 0;
+  for (std::size_t k = 0; k < points.size() && points[k].time < time; ++k) {
+    const double end = k + 1 < points.size() ? std::min(time, points[k + 1].time) : time;
+    const double span = end - points[k].time;
+    if (span > 0)
+      sum += span * (points[k].value + 0.5 * span * load_rate(loading, points[k].time));
+  }
+  return sum;
+}
+
+double mean_load(const Loading& loading, double time, double span)
+{
+  return (load_integral(loading, time) - load_integral(loading, time - span)) / span;
+}
+
+double last_jump(const Loading& loading, double time)
+{
+  double result = -std::numeric_limits<double>::infinity();
+  double before = 0;
+  for (std::size_t k = 0; k < loading.points.size() && loading.points[k].time <= time; ++k) {
+    const bool at_once = k == 0 || loading.points[k].time == loading.points[k - 1].time;
+    if (at_once && loading.points[k].value != before)
+      result = loading.points[k].time;
+    before = loading.points[k].value;
+  }
+  return result;
+}
+
 double next_breakpoint(const Loading& loading, double time)
 {
   const auto after = point_after(loading, time);

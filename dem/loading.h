@@ -36,6 +36,16 @@ double load_value(const Loading& loading, double time);
 /// Slope [1/s] just after a time.
 double load_rate(const Loading& loading, double time);
 
+/// Integral of the value from the first point to a time; 0 before.
+double load_integral(const Loading& loading, double time);
+
+/// Mean value over the time span that ends at a time; the load is 0 before its first point.
+double mean_load(const Loading& loading, double time, double span);
+
+/// Time of the last jump at or before a time; the first point counts as one unless its value is 0.
+/// Minus infinity if there was none.
+double last_jump(const Loading& loading, double time);
+
 /// First breakpoint after a time, or infinity.
 double next_breakpoint(const Loading& loading, double time);
 
