@@ -7,6 +7,7 @@ find_package(Threads REQUIRED)
 
 # HDF5 in the flavour of Debian's deal.II: two flavours in one program break it.
 set(HDF5_PREFER_PARALLEL ON)
+find_package(MPI REQUIRED COMPONENTS C) # its header is part of the HDF5 headers
 find_package(HDF5 REQUIRED COMPONENTS C)
 if(NOT HDF5_IS_PARALLEL)
   message(FATAL_ERROR "HDF5 with MPI is needed (package libhdf5-openmpi-dev): deal.II links it, "
@@ -14,7 +15,7 @@ if(NOT HDF5_IS_PARALLEL)
 endif()
 add_library(project_hdf5 INTERFACE)
 target_include_directories(project_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
-target_link_libraries(project_hdf5 INTERFACE ${HDF5_LIBRARIES})
+target_link_libraries(project_hdf5 INTERFACE ${HDF5_LIBRARIES} MPI::MPI_C)
 
 # Supernodal CHOLMOD on OpenBLAS: with the reference BLAS it is many times slower.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)

@@ -91,8 +91,6 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
   if (!laws)
     throw std::invalid_argument("the event solver needs bond laws that are proportional to each "
                                 "other: one function of time for all bonds");
-  if (!assembly.strengths)
-    throw std::invalid_argument("the event solver needs bond strengths");
   if (!loaded_by_platen(assembly) &&
       (loading.control == Loading::Control::displacement || loading.true_stress))
     throw std::invalid_argument("loads on particles have a history of their factor only, no "
@@ -132,21 +130,16 @@ void EventsSolver::resume(const EventsState& state)
   find_breakage(state);
 }
 
-double EventsSolver::elastic_compliance() const
-{
-  const Eigen::VectorXd& load = model_->network.unit_load;
-  if (!network_solver_.response() || load.isZero(0))
-    return 0;
-  return load.dot(*network_solver_.response()) / load.norm();
-}
-
 void EventsSolver::refresh(const Damage& damage)
 {
+  const Eigen::VectorXd& load = model_->network.unit_load;
   unit_response_ = Eigen::VectorXd::Zero(model_->network.n_dofs);
-  if (network_solver_.response()) {
+  compliance_ = 0;
+  if (network_solver_.response() && !load.isZero(0)) {
     unit_response_ = *network_solver_.response();
+    compliance_ = load.dot(unit_response_) / load.norm();
     if (model_->loading.control == Loading::Control::displacement)
-      unit_response_ /= elastic_compliance();
+      unit_response_ /= compliance_;
   }
   ratios_ = bond_ratios(model_->network, damage.status, model_->strengths, unit_response_);
 }
@@ -163,7 +156,7 @@ void EventsSolver::begin_segment(EventsState& state, double time) const
       before = creep_step(model_->creep.law, last.state, last.compliance * last.load_rate * dt, dt);
       jumps = last.jumps;
     }
-    segments.push_back(force_segment(*model_, before, jumps, time, elastic_compliance()));
+    segments.push_back(force_segment(*model_, before, jumps, time, compliance_));
   } else {
     const RelaxationState at_rest(model_->creep.spectrum.size(), 0.0);
     const DisplacementSegment before = segments.empty()
@@ -283,6 +276,7 @@ bool EventsSolver::apply(EventsState& state, double time, std::span<const BondCh
   if (!network_solver_.response()) {
     state.end = RunEnd::lost_equilibrium;
     state.end_reason = network_solver_.obstacle();
+    begin_segment(state, time);
     return false;
   }
   const double load = dem::load(state.history.segments.back(), model_->creep, time);
@@ -333,16 +327,15 @@ std::vector<BondChange> EventsSolver::contacts_to_open(const EventsState& state,
 Response EventsSolver::response(const EventsState& state, double time) const
 {
   const LoadSegment& segment = segment_at(state.history, time);
-  const double compliance = elastic_compliance();
   const double factor = dem::load(segment, model_->creep, time);
   const bool by_force = model_->loading.control == Loading::Control::force;
   const double rate = averaged_strain_rate(state.history, model_->rate_law, time);
   return {time,
-          by_force ? factor : factor / compliance,
+          by_force ? factor : factor / compliance_,
           strain(state.history, time),
           rate,
           strength_factor(model_->rate_law, rate),
-          compliance,
+          compliance_,
           std::ssize(state.breakages)};
 }
 

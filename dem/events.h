@@ -25,7 +25,8 @@ struct EventsModel {
   double strain_limit = std::numeric_limits<double>::infinity();
 };
 
-/// \throws std::invalid_argument if the laws are not proportional, strengths are missing, or the
+/// Without strengths the bonds are unbreakable.
+/// \throws std::invalid_argument if the laws are not proportional, friction is asked for, or the
 ///         loading does not fit the assembly
 EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
                               const RateLaw& rate_law, AfterBreakage after_breakage,
@@ -85,7 +86,6 @@ public:
 
 private:
   void refresh(const Damage& damage);
-  double elastic_compliance() const;
   void begin_segment(EventsState& state, double time) const;
   void limit_segment(EventsState& state) const;
   void find_breakage(const EventsState& state);
@@ -97,6 +97,7 @@ private:
   const EventsModel* model_;
   NetworkSolver network_solver_;
   Eigen::VectorXd unit_response_; ///< dofs per unit of the load factor
+  double compliance_ = 0;         ///< elastic displacement at the load per force [m/N]
   BondRatios ratios_;
   double next_breakage_ = std::numeric_limits<double>::infinity();
 };

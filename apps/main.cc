@@ -1,0 +1,116 @@
+#include "apps/files.h"
+#include "apps/interrupt.h"
+#include "apps/plot.h"
+#include "apps/run.h"
+#include "apps/study.h"
+#include "apps/verbs.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <exception>
+#include <functional>
+#include <stdexcept>
+
+using namespace apps;
+
+namespace {
+
+/// What the command line fills in.
+struct Arguments {
+  std::string scene, result, table, kind = "creep", output;
+  std::vector<std::string> results;
+  std::string resume, packing, time;
+  RunOptions run;
+  bool as_csv = false;
+};
+
+void add_common(CLI::App& verb, Arguments& a)
+{
+  verb.add_option("--set", a.run.overrides, "Override a key: \"Section/Key = value\"; may be repeated")
+      ->allow_extra_args(false);
+}
+
+void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand("run", "Run a scene, or a study of several runs");
+  verb->add_option("scene", a.scene, "Scene file");
+  verb->add_option("--resume", a.resume,
+                   "Go on from a checkpoint, or from the folder of an interrupted study");
+  verb->add_option("--packing", a.packing, "Packing stored by 'mastic pack' for this scene");
+  verb->add_option("--threads", a.run.n_threads,
+                   "Threads of the explicit solver; runs at a time in a study (default 1)")
+      ->check(CLI::Range(1, 1024));
+  verb->add_flag("--quiet", a.run.quiet, "No progress");
+  verb->add_flag("--report", a.run.for_parent)->group("");
+  add_common(*verb, a);
+  verb->callback([&] { action = [&] { return run_verb(a.scene, a.resume, a.packing, a.run); }; });
+}
+
+void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* check = app.add_subcommand("check", "Say everything that is wrong with a scene");
+  check->add_option("scene", a.scene, "Scene file")->required();
+  add_common(*check, a);
+  check->callback([&] { action = [&] { return check_verb(a.scene, a.run.overrides); }; });
+
+  CLI::App* pack = app.add_subcommand("pack", "Make the packing of a scene and report on it");
+  pack->add_option("scene", a.scene, "Scene file")->required();
+  pack->add_option("-o,--output", a.output,
+                   "File for the packing: .h5 (default NAME.packing.h5) or .csv");
+  add_common(*pack, a);
+  pack->callback([&] { action = [&] { return pack_verb(a.scene, a.output, a.run.overrides); }; });
+
+  CLI::App* fresh = app.add_subcommand(
+      "new", "Print a commented scene with every key, its unit, range and default");
+  fresh->add_option("kind", a.kind, "creep, constant-rate, history, network, dynamic or study");
+  fresh->callback([&] { action = [&] { return new_verb(a.kind); }; });
+
+  CLI::App* plot = app.add_subcommand("plot", "Draw the figures of results again, or of several together");
+  plot->add_option("results", a.results, "Result folders")->required();
+  plot->add_option("-o,--output", a.output, "Folder for the figures (default: the first result)");
+  plot->callback([&] { action = [&] { return plot_verb(a.results, a.output); }; });
+
+  CLI::App* table = app.add_subcommand("export", "Print a table of a result as CSV, full precision");
+  table->add_option("result", a.result, "Result folder or result.h5")->required();
+  table->add_option("table", a.table, "history, breakages, particles, bonds or complex_modulus")
+      ->required();
+  table->add_option("--time", a.time, "Time of the snapshot, such as '100 s' (default: the last)");
+  table->callback([&] { action = [&] { return export_verb(a.result, a.table, a.time); }; });
+
+  CLI::App* info = app.add_subcommand("info", "Say where a result comes from and what is in it");
+  info->add_option("result", a.result, "Result folder, result.h5, packing or checkpoint")->required();
+  info->callback([&] { action = [&] { return info_verb(a.result); }; });
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  CLI::App app{"Mastic: creep and breakage of asphalt and other bonded granular materials."};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("mastic " MASTIC_VERSION " (" MASTIC_REVISION ")"));
+  app.footer("A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"
+             "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
+             "checkpoint, 5 the specimen lost its equilibrium.");
+  Arguments arguments;
+  std::function<int()> action;
+  add_run(app, arguments, action);
+  add_others(app, arguments, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? exit_ok : exit_input;
+  }
+  catch_interrupts();
+  try {
+    return action();
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_failure;
+  }
+}

@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// Draws the figures of one result folder, or of several in common figures, into a folder.
+/// \return the files made; if Python or Matplotlib is missing, nothing and a warning on standard
+///         error
+std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& results,
+                                      const std::filesystem::path& folder);
+
+} // namespace apps

@@ -1,0 +1,68 @@
+#include "apps/process.h"
+
+#include <fmt/format.h>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace apps {
+
+Child start_child(const std::vector<std::string>& command)
+{
+  int ends[2];
+  if (::pipe(ends) != 0)
+    throw std::runtime_error("no pipe for a child process");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  posix_spawn_file_actions_addclose(&actions, ends[0]);
+  posix_spawn_file_actions_addclose(&actions, ends[1]);
+  std::vector<char*> arguments;
+  for (const std::string& word : command)
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t pid = 0;
+  const int error =
+      ::posix_spawn(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  if (error != 0) {
+    ::close(ends[0]);
+    throw std::runtime_error(fmt::format("{} cannot be started", command[0]));
+  }
+  return {pid, ends[0]};
+}
+
+int wait_for(const Child& child)
+{
+  int status = 0;
+  while (::waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  ::close(child.output);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+Finished run_to_end(const std::vector<std::string>& command)
+{
+  const Child child = start_child(command);
+  Finished result;
+  char buffer[4096];
+  for (;;) {
+    const ssize_t n = ::read(child.output, buffer, sizeof buffer);
+    if (n > 0)
+      result.output.append(buffer, std::size_t(n));
+    else if (n == 0 || errno != EINTR)
+      break;
+  }
+  result.exit_code = wait_for(child);
+  return result;
+}
+
+} // namespace apps

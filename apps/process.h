@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace apps {
+
+/// A child process whose standard output and error arrive in one pipe.
+struct Child {
+  pid_t pid;
+  int output; ///< file descriptor to read from
+};
+
+/// Starts a program with arguments (the first is the program's path).
+/// \throws std::runtime_error if it cannot be started
+Child start_child(const std::vector<std::string>& command);
+
+/// Waits for the end. \return the exit code, 128 + signal if it was killed
+int wait_for(const Child& child);
+
+/// Everything the child writes until it ends, then its exit code.
+struct Finished {
+  std::string output;
+  int exit_code;
+};
+Finished run_to_end(const std::vector<std::string>& command);
+
+} // namespace apps

@@ -1,0 +1,102 @@
+#include "apps/quantity.h"
+
+#include "apps/text.h"
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+struct Unit {
+  ut_unit* unit;
+  Unit(ut_system* system, const std::string& text)
+      : unit(ut_parse(system, trimmed(text).c_str(), UT_UTF8))
+  {
+    if (!unit)
+      throw std::invalid_argument(fmt::format("'{}' is not a known unit", trimmed(text)));
+  }
+  ~Unit() { ut_free(unit); }
+  Unit(const Unit&) = delete;
+};
+
+struct Converter {
+  cv_converter* converter;
+  ~Converter() { cv_free(converter); }
+};
+
+/// The number at the start of a text and what follows it.
+struct NumberAndRest {
+  double value;
+  std::string rest;
+};
+
+NumberAndRest split_number(std::string_view text)
+{
+  const std::string whole = trimmed(std::string(text));
+  std::string_view digits = whole;
+  if (digits.starts_with('+'))
+    digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range)
+    throw std::invalid_argument(fmt::format("'{}' is out of the range of numbers", whole));
+  if (error != std::errc() || !std::isfinite(value))
+    throw std::invalid_argument(fmt::format("'{}' does not begin with a number", whole));
+  return {value, trimmed(std::string(end, digits.data() + digits.size()))};
+}
+
+} // namespace
+
+Units::Units()
+{
+  ut_set_error_message_handler(ut_ignore);
+  system_.reset(ut_read_xml(nullptr));
+  if (!system_)
+    throw std::runtime_error("the unit database of UDUNITS-2 cannot be read; is libudunits2-data "
+                             "installed?");
+}
+
+Units::~Units() = default;
+
+void Units::Free::operator()(ut_system* system) const
+{
+  ut_free_system(system);
+}
+
+double Units::convert(double value, const std::string& from, const std::string& to) const
+{
+  const Unit source(system_.get(), from), target(system_.get(), to);
+  if (!ut_are_convertible(source.unit, target.unit))
+    throw std::invalid_argument(fmt::format("'{}' cannot be converted to {}", trimmed(from), to));
+  const Converter converter{ut_get_converter(source.unit, target.unit)};
+  return cv_convert_double(converter.converter, value);
+}
+
+double Units::parse(std::string_view text, const std::string& unit,
+                    const std::string& default_unit) const
+{
+  const auto [value, rest] = split_number(text);
+  return convert(value, rest.empty() ? default_unit : rest, unit);
+}
+
+bool is_bare_number(std::string_view text)
+{
+  try {
+    return split_number(text).rest.empty();
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+std::string shortest(double value)
+{
+  return fmt::format("{}", value);
+}
+
+} // namespace apps

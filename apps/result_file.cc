@@ -1,0 +1,108 @@
+#include "apps/files.h"
+#include "apps/paraview.h"
+#include "apps/run.h"
+#include "dem/linear.h"
+#include "dem/storage.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <complex>
+#include <numbers>
+
+namespace apps {
+
+namespace {
+
+void write_columns(dem::Hdf5File& file, const std::string& group,
+                   const std::vector<Column>& columns)
+{
+  for (const Column& column : columns)
+    file.write(group + "/" + column.name, column.values, column.unit);
+}
+
+/// |E*| and phase angle over frequency, from the same elastic solution.
+std::vector<Column> modulus_columns(const RunInProgress& r)
+{
+  const dem::LinearModel model = dem::make_linear_model(r.specimen.assembly);
+  std::vector<Column> columns{{"frequency_Hz", "Hz", {}},
+                              {"complex_modulus_MPa", "MPa", {}},
+                              {"phase_angle_degrees", "degree", {}},
+                              {"storage_modulus_MPa", "MPa", {}},
+                              {"loss_modulus_MPa", "MPa", {}}};
+  for (const double f : r.scene.scene->output.frequencies) {
+    const std::complex<double> e = dem::complex_modulus(model, 2 * std::numbers::pi * f);
+    const double row[] = {f, std::abs(e) / 1e6, std::arg(e) * 180 / std::numbers::pi,
+                          e.real() / 1e6, e.imag() / 1e6};
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      columns[k].values.push_back(row[k]);
+  }
+  return columns;
+}
+
+void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_time)
+{
+  file.set_attribute("", "kind", std::string("result"));
+  file.set_attribute("", "program", std::string("mastic " MASTIC_VERSION));
+  file.set_attribute("", "revision", std::string(MASTIC_REVISION));
+  file.set_attribute("", "compiler", std::string(MASTIC_COMPILER));
+  file.set_attribute("", "storage_version", dem::storage_version);
+  file.set_attribute("", "written_utc",
+                     fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                                 fmt::gmtime(std::chrono::system_clock::now())));
+  file.set_attribute("", "name", r.scene.name);
+  file.set_attribute("", "title", r.scene.scene->title);
+  file.set_attribute("", "solver", name_of(r.decision.solver));
+  file.set_attribute("", "solver_reason", r.decision.reason);
+  file.set_attribute("", "solver_statistics", r.run->statistics());
+  file.set_attribute("", "end", name_of(r.run->end()));
+  file.set_attribute("", "end_reason", r.run->end_reason());
+  file.set_attribute("", "wall_time_s", wall_time);
+  file.set_attribute("", "threads", r.n_threads);
+  file.set_attribute("", "packing_seed", double(r.scene.scene->specimen.seed));
+  file.set_attribute("", "strength_seed", double(r.scene.scene->strength.seed));
+  file.set_attribute("", "estimated_values",
+                     std::string(r.scene.scene->preset == BondPreset::estimate
+                                     ? "preset 'estimate': keys of Bonds and Strength that were not "
+                                       "set are estimates, not the paper's tables"
+                                     : "none"));
+  file.set_attribute("", "viscosity_shift_aT", r.specimen.viscosity_shift);
+  if (r.specimen.assembly.strengths)
+    file.set_attribute("", "nonpositive_strength_draws",
+                       double(r.specimen.assembly.strengths->n_nonpositive));
+  file.set_attribute("", "sign",
+                     std::string("history: compression positive; bonds: tension positive"));
+}
+
+} // namespace
+
+void write_results(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
+{
+  std::filesystem::create_directories(folder);
+  const dem::Assembly& assembly = r.specimen.assembly;
+  const std::vector<Column> history = history_columns(assembly, r.record);
+  const std::vector<Column> breakages = breakage_columns(assembly, r.run->breakages());
+  dem::Hdf5File file = dem::Hdf5File::create(folder / "result.h5");
+  write_provenance(file, r, wall_time);
+  file.write_text("scene/as_typed", r.scene.text);
+  file.write_text("scene/resolved", r.scene.schema->print(false));
+  dem::write_particles(file, "packing", r.packing.particles);
+  dem::write_bonds(file, "bonds", assembly);
+  write_columns(file, "history", history);
+  write_columns(file, "breakages", breakages);
+  for (std::size_t k = 0; k < r.record.snapshots.size(); ++k)
+    write_snapshot(file, fmt::format("snapshots/{:04}", k), r.record.snapshots[k]);
+  if (r.decision.solver == SolverChoice::linear && dem::loaded_by_platen(assembly)) {
+    const std::vector<Column> modulus = modulus_columns(r);
+    write_columns(file, "complex_modulus", modulus);
+    write_text_file(folder / "complex_modulus.csv", csv(modulus));
+  }
+  file.publish();
+  write_text_file(folder / "history.csv", csv(history));
+  write_text_file(folder / "breakages.csv", csv(breakages));
+  if (r.scene.scene->output.paraview)
+    write_paraview(folder / "paraview", assembly, r.record.snapshots);
+}
+
+} // namespace apps

@@ -1,0 +1,283 @@
+#include "apps/run.h"
+
+#include "apps/audit.h"
+#include "apps/files.h"
+#include "apps/interrupt.h"
+#include "apps/load_case.h"
+#include "apps/plot.h"
+#include "apps/progress.h"
+#include "dem/storage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+constexpr const char* checkpoint_name = "checkpoint.h5";
+
+void say(const std::string& line)
+{
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
+void write_checkpoint(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
+{
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path file = folder / checkpoint_name;
+  dem::Hdf5File hdf5 = dem::Hdf5File::create(file);
+  hdf5.set_attribute("", "kind", std::string("checkpoint"));
+  hdf5.set_attribute("", "storage_version", dem::storage_version);
+  hdf5.write_text("scene/resolved", r.scene.schema->print(false));
+  hdf5.write_text("scene/as_typed", r.scene.text);
+  hdf5.set_attribute("scene", "name", r.scene.name);
+  hdf5.set_attribute("scene", "folder", std::filesystem::absolute(r.scene.folder).string());
+  hdf5.set_attribute("scene", "solver", name_of(r.decision.solver));
+  hdf5.set_attribute("scene", "solver_reason", r.decision.reason);
+  hdf5.set_attribute("scene", "result_folder", std::filesystem::absolute(folder).string());
+  hdf5.set_attribute("", "wall_time_s", wall_time);
+  dem::write_particles(hdf5, "packing", r.packing.particles);
+  hdf5.set_attribute("packing", "lower_platen_m", r.packing.platens.low);
+  hdf5.set_attribute("packing", "upper_platen_m", r.packing.platens.high);
+  hdf5.set_attribute("packing", "origin", r.packing.origin);
+  r.run->save(hdf5);
+  write_record(hdf5, "record", r.record);
+  std::error_code ignored; // the one before stays until the new one is whole
+  std::filesystem::rename(file, file.string() + ".previous", ignored);
+  hdf5.publish();
+}
+
+/// One line about the present state.
+std::string state_text(const RunInProgress& r, double time)
+{
+  const dem::Response now = r.record.history.empty() ? dem::Response{} : r.record.history.back();
+  return fmt::format("t = {:.4g} s, strain {:.3f} %, {} broken", time, -100 * now.strain,
+                     r.run->breakages().size());
+}
+
+enum class DriveEnd { done, interrupted };
+
+/// Records history and snapshots until the end; stops with a checkpoint if asked to.
+DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options)
+{
+  const std::vector<double> times = history_times(*r.scene.scene, r.loading);
+  const std::vector<double> stored = snapshot_times(*r.scene.scene, r.loading);
+  std::vector<double> stops = times;
+  stops.insert(stops.end(), stored.begin(), stored.end());
+  std::ranges::sort(stops);
+  stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
+  Progress progress(fmt::format("{} ({})", r.scene.name, name_of(r.decision.solver)),
+                    options.quiet, options.for_parent);
+  double last_checkpoint = 0;
+  const double end = dem::end_time(r.loading);
+  const auto record = [&](double time) {
+    if (std::ranges::binary_search(times, time) || r.run->ended())
+      r.record.history.push_back(r.run->response(time));
+    if (std::ranges::binary_search(stored, time) || r.run->ended())
+      r.record.snapshots.push_back(r.run->snapshot(time));
+  };
+  double recorded = r.record.history.empty() ? -1 : r.record.history.back().time;
+  if (!r.record.snapshots.empty())
+    recorded = std::max(recorded, r.record.snapshots.back().time);
+  for (std::size_t k = 0; k < stops.size(); ++k) {
+    if (stops[k] <= recorded * (1 + 1e-12) && recorded >= 0)
+      continue; // before the checkpoint
+    while (!r.run->ended() && !r.run->reached(stops[k])) {
+      r.run->work_towards(stops[k]);
+      const double fraction = r.run->work_is_even_in_time() && end > 0
+                                  ? r.run->time() / end
+                                  : double(k) / double(stops.size());
+      progress.update(fraction, state_text(r, r.run->time()));
+      const bool due =
+          progress.seconds() - last_checkpoint > r.scene.scene->output.checkpoint_interval;
+      if (due || interrupted()) {
+        write_checkpoint(r, folder, r.wall_time_before + progress.seconds());
+        last_checkpoint = progress.seconds();
+      }
+      if (interrupted()) {
+        progress.finish();
+        return DriveEnd::interrupted;
+      }
+    }
+    if (r.run->ended() && r.run->time() < stops[k])
+      break;
+    record(stops[k]);
+  }
+  const double last = r.record.history.empty() ? -1 : r.record.history.back().time;
+  if (r.run->ended() && r.run->time() > last)
+    record(r.run->time());
+  progress.finish();
+  r.wall_time_before += progress.seconds();
+  return DriveEnd::done;
+}
+
+int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options)
+{
+  if (drive(r, folder, options) == DriveEnd::interrupted) {
+    say(fmt::format("{}: interrupted at t = {:.6g} s; to go on: mastic run --resume {}",
+                    r.scene.name, r.run->time(), (folder / checkpoint_name).string()));
+    return exit_interrupted;
+  }
+  const dem::Response& last = r.record.history.back();
+  std::string ending = name_of(r.run->end());
+  if (!r.run->end_reason().empty())
+    ending += ": " + r.run->end_reason();
+  say(fmt::format("  ended at t = {:.6g} s: {}; strain {:.4f} %, {} of {} bonds broken", last.time,
+                  ending, -100 * last.strain, r.run->breakages().size(),
+                  r.specimen.assembly.bonds.size()));
+  say("  " + r.run->statistics());
+  say(fmt::format("  solved in {}", duration_text(r.wall_time_before)));
+  if (r.decision.solver != SolverChoice::dynamic && std::abs(last.strain) > 0.02)
+    say(fmt::format("  note: this solver takes displacements as small; at {:.1f} % strain the "
+                    "change of geometry that it leaves out is of that order",
+                    -100 * last.strain));
+  write_results(r, folder, r.wall_time_before);
+  if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)
+    print_scaling_audit(r, folder);
+  std::error_code ignored;
+  std::filesystem::remove(folder / checkpoint_name, ignored);
+  std::filesystem::remove((folder / checkpoint_name).string() + ".previous", ignored);
+  say(fmt::format("  results in {}", folder.string()));
+  if (r.scene.scene->output.plots)
+    for (const std::string& figure : make_figures({folder}, folder))
+      say("  figure " + figure);
+  return r.run->end() == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
+}
+
+/// Where estimated numbers are in use, the user is told.
+void tell_estimates(const LoadedScene& scene)
+{
+  if (scene.scene->preset != BondPreset::estimate)
+    return;
+  std::string list;
+  for (const char* key : {"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
+                          "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity"})
+    if (!scene.schema->set_keys().contains(key))
+      list += fmt::format("{}{}", list.empty() ? "" : ", ", std::string(key).substr(6));
+  if (!list.empty())
+    say("  preset 'estimate': estimated values, not the paper's tables, for " + list);
+}
+
+void start_run(RunInProgress& r, const RunOptions& options)
+{
+  const Scene& scene = *r.scene.scene;
+  r.specimen = make_specimen(r.scene, r.packing);
+  r.loading = make_loading(scene, r.specimen.assembly);
+  if (r.decision.reason.empty())
+    r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
+  r.n_threads = options.n_threads;
+  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
+  say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
+                  r.specimen.assembly.bonds.size(), name_of(r.decision.solver),
+                  r.decision.reason));
+  tell_estimates(r.scene);
+}
+
+} // namespace
+
+std::string name_of(dem::RunEnd end)
+{
+  switch (end) {
+  case dem::RunEnd::finished:
+    return "end of the load history";
+  case dem::RunEnd::strain_limit:
+    return "strain limit";
+  case dem::RunEnd::lost_equilibrium:
+    return "lost equilibrium";
+  default:
+    return "running";
+  }
+}
+
+std::filesystem::path result_folder(const LoadedScene& scene)
+{
+  const std::string& folder = scene.scene->output.folder;
+  return folder.empty() ? std::filesystem::path("results") / scene.name
+                        : std::filesystem::path(folder);
+}
+
+void print_diagnostics(const std::vector<Diagnostic>& diagnostics)
+{
+  for (const Diagnostic& d : diagnostics) {
+    const char* kind = d.kind == Diagnostic::Kind::error     ? "error"
+                       : d.kind == Diagnostic::Kind::warning ? "warning"
+                                                             : "note";
+    fmt::print(stderr, "{}: {}: {}\n", d.place, kind, d.message);
+  }
+}
+
+int run_scene(LoadedScene scene, const RunOptions& options)
+{
+  print_diagnostics(scene.diagnostics);
+  if (scene.has_errors())
+    return exit_input;
+  const std::filesystem::path folder = result_folder(scene);
+  say(fmt::format("{}{}", scene.name,
+                  scene.scene->title.empty() ? "" : ": " + scene.scene->title));
+  RunInProgress r;
+  if (options.packing) {
+    const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
+    r.packing = read_packing(*options.packing,
+                             generated ? std::optional(packing_recipe(*scene.scene)) : std::nullopt);
+  } else
+    r.packing = make_packing(scene);
+  r.scene = std::move(scene);
+  start_run(r, options);
+  return finish(r, folder, options);
+}
+
+int resume_run(const std::filesystem::path& file, const RunOptions& options)
+{
+  RunInProgress r;
+  std::filesystem::path folder;
+  std::filesystem::path source = file;
+  std::unique_ptr<dem::Hdf5File> hdf5;
+  try {
+    hdf5 = std::make_unique<dem::Hdf5File>(dem::Hdf5File::open(source));
+    if (!hdf5->is_complete())
+      throw std::runtime_error(fmt::format("{}: the checkpoint is cut off", source.string()));
+  } catch (const std::runtime_error& problem) {
+    source = file.string() + ".previous";
+    if (!std::filesystem::exists(source))
+      throw;
+    fmt::print(stderr, "{}\nwarning: taking the checkpoint before it\n", problem.what());
+    hdf5 = std::make_unique<dem::Hdf5File>(dem::Hdf5File::open(source));
+  }
+  if (!hdf5->is_complete() || hdf5->text_attribute("", "kind") != "checkpoint")
+    throw std::invalid_argument(fmt::format("{}: this is not a checkpoint", source.string()));
+  if (hdf5->number_attribute("", "storage_version") > dem::storage_version)
+    throw std::invalid_argument(
+        fmt::format("{}: the checkpoint was written by a newer version", source.string()));
+  r.scene = load_scene_text(hdf5->read_text("scene/resolved"), hdf5->text_attribute("scene", "name"),
+                            hdf5->text_attribute("scene", "folder"), options.overrides);
+  r.scene.text = hdf5->read_text("scene/as_typed");
+  print_diagnostics(r.scene.diagnostics);
+  if (r.scene.has_errors())
+    return exit_input;
+  folder = hdf5->text_attribute("scene", "result_folder");
+  say(fmt::format("{}: resumed from {}", r.scene.name, source.string()));
+  r.packing = {dem::read_particles(*hdf5, "packing"), std::nullopt, {},
+               {hdf5->number_attribute("packing", "lower_platen_m"),
+                hdf5->number_attribute("packing", "upper_platen_m")},
+               hdf5->text_attribute("packing", "origin")};
+  if (r.scene.scene->specimen.source == SpecimenSource::file) // supports and loads of the file
+    r.packing = make_packing(r.scene);
+  const std::string solver = hdf5->text_attribute("scene", "solver");
+  for (const SolverChoice each : {SolverChoice::linear, SolverChoice::events, SolverChoice::dynamic})
+    if (name_of(each) == solver)
+      r.decision = {each, hdf5->text_attribute("scene", "solver_reason")};
+  start_run(r, options);
+  r.run->load(*hdf5);
+  r.record = read_record(*hdf5, "record");
+  r.wall_time_before = hdf5->number_attribute("", "wall_time_s");
+  hdf5.reset();
+  return finish(r, folder, options);
+}
+
+} // namespace apps

@@ -1,0 +1,57 @@
+#pragma once
+#include "apps/scene.h"
+#include "dem/assembly.h"
+#include "dem/hdf5_file.h"
+#include "dem/records.h"
+
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// All particles and bonds at one time.
+struct Snapshot {
+  double time;                        ///< [s]
+  std::vector<dem::Vec3> displacement; ///< of each particle [m]
+  std::vector<dem::Vec3> rotation;     ///< [rad]
+  std::vector<dem::Vec3> force;        ///< of each bond on its first end [N]
+  std::vector<dem::Vec3> moment;       ///< [N m]
+  std::vector<std::uint8_t> state;     ///< of each bond: 0 intact, 1 pressed contact, 2 gone
+};
+
+/// What a run has recorded so far, apart from breakages.
+struct RunRecord {
+  std::vector<dem::Response> history;
+  std::vector<Snapshot> snapshots;
+};
+
+/// A named column of numbers in units of the laboratory, compression positive.
+struct Column {
+  std::string name; ///< with its unit: "axial_stress_kPa"
+  std::string unit;
+  std::vector<double> values;
+};
+
+/// The history as users read it.
+std::vector<Column> history_columns(const dem::Assembly& assembly, const RunRecord& record);
+
+/// Broken bonds as users read them.
+std::vector<Column> breakage_columns(const dem::Assembly& assembly,
+                                     const std::vector<dem::Breakage>& breakages);
+
+/// Particles or bonds of one snapshot as users read them.
+std::vector<Column> particle_columns(const dem::Particles& particles, const Snapshot& snapshot);
+std::vector<Column> bond_columns(const std::vector<std::array<dem::Index, 2>>& ends,
+                                 const Snapshot& snapshot);
+
+/// A table as CSV with full precision.
+std::string csv(const std::vector<Column>& columns);
+
+void write_record(dem::Hdf5File& file, const std::string& group, const RunRecord& record);
+RunRecord read_record(const dem::Hdf5File& file, const std::string& group);
+
+/// Snapshot group of one time.
+void write_snapshot(dem::Hdf5File& file, const std::string& group, const Snapshot& snapshot);
+Snapshot read_snapshot(const dem::Hdf5File& file, const std::string& group);
+
+} // namespace apps

@@ -1,0 +1,148 @@
+#pragma once
+#include "apps/schema.h"
+#include "dem/dynamics.h"
+#include "dem/grading.h"
+#include "dem/temperature_shift.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// Which solver a scene asks for.
+enum class SolverChoice { automatic, linear, events, dynamic };
+
+enum class SpecimenSource { generate, file };
+enum class BondRule { mean_contacts, gap };
+enum class BondPreset { estimate, none };
+enum class StrengthKind { none, normal, weibull };
+enum class TestKind { creep, constant_rate, stress_history, strain_history, particle_loads };
+enum class TimeSpacing { automatic, linear, logarithmic };
+enum class ShiftKind { none, wlf, arrhenius };
+
+/// One bond law as it is typed.
+struct BondLawInput {
+  std::vector<std::pair<double, double>> class_pairs; ///< empty for the law of all other pairs
+  double maxwell_stiffness;                           ///< [N/m]
+  std::optional<double> maxwell_viscosity;            ///< [N s/m]
+  std::vector<double> kelvin_stiffness;               ///< [N/m]
+  std::vector<double> kelvin_viscosity;               ///< [N s/m]
+  double normal_to_shear, radius_multiplier;          ///< [-]
+};
+
+/// A scene: everything a run needs, in SI units. Keys and their meaning: `declare`.
+struct Scene {
+  std::string title;
+  SolverChoice solver;
+  bool accept_unusual;
+
+  struct Specimen {
+    SpecimenSource source;
+    std::string file, bond_file;
+    double diameter, height;         ///< [m]
+    long n_particles;
+    double solid_fraction;
+    std::string grading;
+    std::vector<std::pair<double, double>> grading_table; ///< opening [m], passing [-]
+    long min_contacts;
+    double contact_gap;
+    double residual_stress_bound;    ///< [Pa]
+    double preparation_stiffness;    ///< [N/m]
+    double density;                  ///< [kg/m^3]
+    long seed;
+    BondRule bond_rule;
+    double mean_contacts, bond_gap;
+    double platen_gap;
+    std::optional<double> gauge_length; ///< [m]
+  } specimen;
+
+  BondPreset preset;
+  BondLawInput bonds;
+  std::map<std::string, std::unique_ptr<BondLawInput>> more_bonds; ///< by name
+  dem::AfterBreakage after_breakage;
+  double friction;
+
+  struct Temperature {
+    double temperature, reference; ///< [K]
+    ShiftKind shift;
+    double wlf_c1, wlf_c2;         ///< [-], [K]
+    double activation_energy;      ///< [J/mol]
+  } temperature;
+
+  struct Strength {
+    StrengthKind kind;
+    double mean, standard_deviation; ///< [N]
+    double modulus, scale;           ///< [-], [N]
+    double shear_ratio;
+    dem::NonpositiveRule rule;
+    long seed;
+    dem::RateLaw rate_law;
+  } strength;
+
+  struct Load {
+    TestKind test;
+    double stress;                        ///< axial, compression positive [Pa]
+    bool true_stress;
+    std::optional<double> release_time;   ///< [s]
+    double strain_rate;                   ///< compression positive [1/s]
+    double end_time;                      ///< [s]
+    std::optional<double> end_strain;     ///< [-]
+    double strain_limit;                  ///< [-]
+    std::vector<std::pair<double, double>> stress_history, strain_history;
+  } load;
+
+  dem::DynamicSettings dynamic;
+  bool audit;
+
+  struct Output {
+    std::string folder;
+    long n_times;
+    TimeSpacing spacing;
+    double first_time;                   ///< [s]
+    std::vector<double> snapshot_times;  ///< [s]
+    std::vector<double> frequencies;     ///< [Hz]
+    bool paraview, plots;
+    double checkpoint_interval;          ///< wall time [s]
+  } output;
+
+  struct Study {
+    std::string vary;
+    std::string values; ///< separated by commas, as typed
+  } study;
+};
+
+/// Declares all keys of a scene and binds them to its members.
+/// \param law_names  names of the sections "Bond law NAME" to declare
+void declare(Schema& schema, Scene& scene, const std::vector<std::string>& law_names);
+
+/// A scene read from a file, with all that is wrong with it.
+struct LoadedScene {
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Units> units;
+  std::unique_ptr<Schema> schema;
+  std::vector<Diagnostic> diagnostics;
+  std::filesystem::path folder;  ///< relative file names start here
+  std::string name;              ///< of the file, without folder and ending
+  std::string text;              ///< as typed
+
+  bool has_errors() const;
+};
+
+/// \param overrides  texts "Section/Key = value"
+/// \throws std::runtime_error if the file cannot be read
+LoadedScene load_scene(const std::filesystem::path& file,
+                       const std::vector<std::string>& overrides);
+
+/// The same from a text: scenes stored in results.
+LoadedScene load_scene_text(const std::string& text, const std::string& name,
+                            const std::filesystem::path& folder,
+                            const std::vector<std::string>& overrides);
+
+/// What the keys together say that cannot be, or is unusual.
+std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& schema);
+
+} // namespace apps

@@ -1,0 +1,184 @@
+#include "apps/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+/// Collects what is wrong, each with the place of the key it is about.
+class Findings {
+public:
+  explicit Findings(const Schema& schema) : schema_(schema) {}
+
+  void tell(Diagnostic::Kind kind, const std::string& key, const std::string& message)
+  {
+    const auto found = schema_.set_keys().find(key);
+    const std::string place = found != schema_.set_keys().end() ? found->second : key + " (default)";
+    list.push_back({kind, place, message});
+  }
+  void error(const std::string& key, const std::string& message)
+  {
+    tell(Diagnostic::Kind::error, key, message);
+  }
+  bool is_set(const std::string& key) const { return schema_.set_keys().contains(key); }
+
+  std::vector<Diagnostic> list;
+
+private:
+  const Schema& schema_;
+};
+
+void check_specimen(const Scene& scene, Findings& findings)
+{
+  const Scene::Specimen& v = scene.specimen;
+  if (v.source == SpecimenSource::file && v.file.empty())
+    findings.error("Specimen/File", "Source = file needs a File");
+  if (v.source == SpecimenSource::generate && !v.bond_file.empty())
+    findings.error("Specimen/Bond file", "a list of bonds needs Source = file");
+  if (v.source == SpecimenSource::generate) {
+    const auto names = dem::grading_names();
+    if (v.grading == "table") {
+      try {
+        std::vector<dem::Sieve> sieves;
+        for (const auto& [opening, share] : v.grading_table)
+          sieves.push_back({opening, share});
+        dem::make_grading(sieves);
+      } catch (const std::invalid_argument& problem) {
+        findings.error("Specimen/Grading table", problem.what());
+      }
+    } else if (std::find(names.begin(), names.end(), v.grading) == names.end()) {
+      try {
+        dem::named_grading(v.grading);
+      } catch (const std::invalid_argument& problem) {
+        findings.error("Specimen/Grading", std::string(problem.what()) + ", table");
+      }
+    }
+    if (findings.is_set("Specimen/Grading table") && v.grading != "table")
+      findings.error("Specimen/Grading table", "is not used unless Grading = table");
+  }
+}
+
+void check_law(const std::string& section, const BondLawInput& law, bool accept_unusual,
+               Findings& findings)
+{
+  if (law.kelvin_stiffness.size() != law.kelvin_viscosity.size())
+    findings.error(section + "/Kelvin viscosity",
+                   fmt::format("there are {} Kelvin stiffnesses and {} viscosities; give one of "
+                               "each per branch",
+                               law.kelvin_stiffness.size(), law.kelvin_viscosity.size()));
+  if (law.radius_multiplier > 1)
+    findings.tell(Diagnostic::Kind::warning, section + "/Radius multiplier",
+                  "a multiplier above 1 makes the bond wider than the smaller sphere");
+  // spheres of some millimetres: stiffness over diameter is a modulus
+  const double modulus = law.maxwell_stiffness / 5e-3;
+  if (!accept_unusual && (modulus < 1e5 || modulus > 1e12))
+    findings.error(section + "/Maxwell stiffness",
+                   fmt::format("{:g} N/m makes a modulus of about {:.2g} Pa, outside 1e5 to 1e12 "
+                               "Pa; if that is meant, set Accept unusual values = true",
+                               law.maxwell_stiffness, modulus));
+}
+
+void check_preset(const Scene& scene, Findings& findings)
+{
+  if (scene.preset != BondPreset::none)
+    return;
+  std::vector<std::string> needed{"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
+                                  "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
+                                  "Strength/Distribution"};
+  if (scene.strength.kind == StrengthKind::normal)
+    needed.insert(needed.end(), {"Strength/Mean", "Strength/Standard deviation",
+                                 "Strength/Nonpositive draws"});
+  if (scene.strength.kind == StrengthKind::weibull)
+    needed.insert(needed.end(), {"Strength/Modulus", "Strength/Scale"});
+  for (const std::string& key : needed)
+    if (!findings.is_set(key))
+      findings.error(key, fmt::format("Preset = none: '{}' must be set", key));
+}
+
+void check_history(const std::vector<std::pair<double, double>>& history, const std::string& key,
+                   Findings& findings)
+{
+  dem::Loading loading;
+  for (const auto& [time, value] : history)
+    loading.points.push_back({time, value});
+  try {
+    dem::validate(loading);
+  } catch (const std::invalid_argument& problem) {
+    findings.error(key, problem.what());
+  }
+}
+
+void check_loading(const Scene& scene, Findings& findings)
+{
+  const Scene::Load& v = scene.load;
+  if (v.test == TestKind::stress_history)
+    check_history(v.stress_history, "Loading/Stress history", findings);
+  if (v.test == TestKind::strain_history)
+    check_history(v.strain_history, "Loading/Strain history", findings);
+  if (v.test == TestKind::constant_rate && v.strain_rate == 0)
+    findings.error("Loading/Strain rate", "a constant rate of 0 leads nowhere");
+  if (v.test == TestKind::constant_rate && !v.end_strain)
+    findings.error("Loading/End strain", "constant rate needs an End strain");
+  if (v.release_time && *v.release_time >= v.end_time)
+    findings.error("Loading/Release time", "must come before the End time");
+  if (v.test == TestKind::particle_loads && scene.specimen.source != SpecimenSource::file)
+    findings.error("Loading/Test", "particle loads come from a particle file: Source = file");
+  if (v.true_stress && v.test != TestKind::creep && v.test != TestKind::stress_history)
+    findings.error("Loading/True stress", "goes with creep and stress history only");
+}
+
+void check_strength(const Scene& scene, Findings& findings)
+{
+  const Scene::Strength& v = scene.strength;
+  if (v.kind != StrengthKind::none && v.rate_law.exponent > 0 && v.rate_law.floor == 0 &&
+      v.rate_law.window == 0 && v.rate_law.window_fraction == 0)
+    findings.tell(Diagnostic::Kind::warning, "Strength/Rate floor",
+                  "without window and floor the strength falls to 0 as the strain rate does");
+}
+
+void check_solver(const Scene& scene, Findings& findings)
+{
+  if (scene.solver == SolverChoice::linear && scene.load.true_stress)
+    findings.error("Solver", "linear takes nominal stress only; use events");
+  if (scene.solver == SolverChoice::events &&
+      scene.after_breakage == dem::AfterBreakage::friction)
+    findings.error("Bonds/After breakage", "friction needs the solver dynamic");
+}
+
+void check_study(const Scene& scene, Findings& findings)
+{
+  if (scene.study.vary.empty() != scene.study.values.empty())
+    findings.error("Study/Vary", "a study needs both Vary and Values");
+}
+
+} // namespace
+
+std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& schema)
+{
+  Findings findings(schema);
+  check_specimen(scene, findings);
+  check_law("Bonds", scene.bonds, scene.accept_unusual, findings);
+  for (const auto& [name, law] : scene.more_bonds) {
+    check_law("Bond law " + name, *law, scene.accept_unusual, findings);
+    if (law->class_pairs.empty())
+      findings.error("Bond law " + name + "/Classes", "say for which pairs of classes the law is");
+  }
+  if (!scene.accept_unusual && (scene.specimen.density < 500 || scene.specimen.density > 10000))
+    findings.error("Specimen/Density",
+                   fmt::format("{:g} kg/m^3 is outside 500 to 10000; if that is meant, set Accept "
+                               "unusual values = true",
+                               scene.specimen.density));
+  check_preset(scene, findings);
+  check_strength(scene, findings);
+  check_loading(scene, findings);
+  check_solver(scene, findings);
+  check_study(scene, findings);
+  return findings.list;
+}
+
+} // namespace apps

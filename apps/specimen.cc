@@ -1,0 +1,167 @@
+#include "apps/specimen.h"
+
+#include "apps/csv_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+dem::TemperatureShift temperature_shift(const Scene::Temperature& v)
+{
+  if (v.shift == ShiftKind::wlf)
+    return dem::WlfShift{v.wlf_c1, v.wlf_c2, v.reference};
+  if (v.shift == ShiftKind::arrhenius)
+    return dem::ArrheniusShift{v.activation_energy, v.reference};
+  return std::monostate{};
+}
+
+dem::BondLaw bond_law(const BondLawInput& input, double viscosity_shift)
+{
+  std::vector<dem::KelvinBranch> branches;
+  for (std::size_t k = 0; k < input.kelvin_stiffness.size(); ++k)
+    branches.push_back({input.kelvin_stiffness[k], input.kelvin_viscosity[k]});
+  const dem::CreepLaw law =
+      dem::make_creep_law(input.maxwell_stiffness, input.maxwell_viscosity, branches);
+  return {dem::with_viscosities_scaled(law, viscosity_shift), input.normal_to_shear,
+          input.radius_multiplier};
+}
+
+/// The law of section Bonds for all pairs of classes that no other section names.
+void set_laws(dem::Assembly& assembly, const Scene& scene, double viscosity_shift)
+{
+  assembly.laws = {bond_law(scene.bonds, viscosity_shift)};
+  for (const auto& [name, input] : scene.more_bonds) {
+    const int law = int(assembly.laws.size());
+    assembly.laws.push_back(bond_law(*input, viscosity_shift));
+    for (const auto& [a, b] : input->class_pairs)
+      assembly.pair_laws.push_back({int(a), int(b), law});
+  }
+  std::vector<int> classes = assembly.particles.material_class;
+  std::ranges::sort(classes);
+  classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
+  for (const int a : classes)
+    for (const int b : classes)
+      assembly.pair_laws.push_back({a, b, 0}); // found after those above
+}
+
+std::vector<std::array<dem::Index, 2>> listed_pairs(const CsvTable& table)
+{
+  const std::vector<long> a = table.integers("a"), b = table.integers("b");
+  std::vector<std::array<dem::Index, 2>> pairs;
+  for (std::size_t row = 0; row < a.size(); ++row)
+    pairs.push_back({dem::Index(a[row]), dem::Index(b[row])});
+  return pairs;
+}
+
+std::optional<dem::Strengths> drawn_strengths(const Scene& scene,
+                                              std::span<const std::int64_t> bond_id)
+{
+  const Scene::Strength& v = scene.strength;
+  if (v.kind == StrengthKind::none)
+    return std::nullopt;
+  dem::StrengthLaw law{dem::WeibullStrength{v.modulus, v.scale}, v.rule, v.shear_ratio};
+  if (v.kind == StrengthKind::normal)
+    law.distribution = dem::NormalStrength{v.mean, v.standard_deviation};
+  return dem::draw_strengths(law, bond_id, std::uint64_t(v.seed));
+}
+
+} // namespace
+
+dem::PackingRequest packing_request(const Scene& scene)
+{
+  const Scene::Specimen& v = scene.specimen;
+  dem::PackingRequest request;
+  request.container = {v.diameter / 2, v.height};
+  if (v.grading == "table") {
+    std::vector<dem::Sieve> sieves;
+    for (const auto& [opening, share] : v.grading_table)
+      sieves.push_back({opening, share});
+    request.grading = dem::make_grading(sieves);
+  } else
+    request.grading = dem::named_grading(v.grading);
+  request.n_particles = std::size_t(v.n_particles);
+  request.solid_fraction = v.solid_fraction;
+  request.density = v.density;
+  request.min_contacts = int(v.min_contacts);
+  request.contact_gap = v.contact_gap;
+  request.residual_stress_bound = v.residual_stress_bound;
+  request.preparation_stiffness = v.preparation_stiffness;
+  return request;
+}
+
+std::string packing_recipe(const Scene& scene)
+{
+  const Scene::Specimen& v = scene.specimen;
+  std::string recipe = fmt::format(
+      "diameter {} m, height {} m, {} particles, solid fraction {}, grading {}", v.diameter,
+      v.height, v.n_particles, v.solid_fraction, v.grading);
+  for (const auto& [opening, share] : v.grading_table)
+    recipe += fmt::format(" {}:{}", opening, share);
+  return recipe + fmt::format(", min contacts {}, contact gap {}, stress bound {} Pa, preparation "
+                              "stiffness {} N/m, density {} kg/m3, seed {}",
+                              v.min_contacts, v.contact_gap, v.residual_stress_bound,
+                              v.preparation_stiffness, v.density, v.seed);
+}
+
+Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
+{
+  const Scene& scene = *loaded.scene;
+  const Scene::Specimen& v = scene.specimen;
+  Specimen specimen{};
+  dem::Assembly& assembly = specimen.assembly;
+  assembly.particles = packing.particles;
+  assembly.support = packing.support.value_or(
+      dem::platen_supports(packing.particles, packing.platens, v.platen_gap));
+  specimen.viscosity_shift =
+      dem::shift_factor(temperature_shift(scene.temperature), scene.temperature.temperature);
+  set_laws(assembly, scene, specimen.viscosity_shift);
+  std::optional<CsvTable> bond_table;
+  if (!v.bond_file.empty()) {
+    bond_table.emplace(loaded.folder / v.bond_file, *loaded.units);
+    bond_table->allow_only({"a", "b", "normal_strength", "shear_strength"});
+    try {
+      assembly.bonds = dem::make_bonds(assembly.particles, listed_pairs(*bond_table), assembly.laws,
+                                       assembly.pair_laws);
+    } catch (const std::invalid_argument& problem) {
+      throw std::runtime_error(
+          fmt::format("{}: {}", (loaded.folder / v.bond_file).string(), problem.what()));
+    }
+  } else {
+    const dem::ContactPairs pairs =
+        v.bond_rule == BondRule::gap
+            ? dem::contacts_within(assembly.particles, v.bond_gap)
+            : dem::nearest_contacts(assembly.particles, v.mean_contacts);
+    assembly.bonds =
+        dem::make_bonds(assembly.particles, pairs.pairs, assembly.laws, assembly.pair_laws);
+    specimen.bond_gap = pairs.gap;
+  }
+  if (bond_table && bond_table->find("normal_strength")) {
+    const std::vector<double> normal = bond_table->numbers("normal_strength", "N");
+    assembly.strengths = dem::Strengths{
+        normal,
+        bond_table->find("shear_strength") ? bond_table->numbers("shear_strength", "N") : normal,
+        0};
+  } else
+    assembly.strengths = drawn_strengths(scene, assembly.bonds.id);
+  if (scene.load.test == TestKind::particle_loads) {
+    if (packing.loads.empty())
+      throw std::runtime_error(fmt::format("{}: Test = particle loads, but the file has no loads "
+                                           "(columns fx_N to mz_N_m)",
+                                           packing.origin));
+    assembly.loads = packing.loads;
+  }
+  assembly.area = std::numbers::pi * v.diameter * v.diameter / 4;
+  assembly.gauge_length = v.gauge_length.value_or(packing.platens.high - packing.platens.low);
+  dem::validate(assembly);
+  return specimen;
+}
+
+} // namespace apps

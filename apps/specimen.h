@@ -1,0 +1,49 @@
+#pragma once
+#include "apps/scene.h"
+#include "dem/assembly.h"
+#include "dem/packing.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// Particles and what came with them.
+struct Packing {
+  dem::Particles particles;
+  std::optional<std::vector<dem::Support>> support; ///< from the file, if it says
+  std::vector<dem::ParticleLoad> loads;
+  dem::PlatenHeights platens;                       ///< [m]
+  std::string origin;                               ///< "generated, seed 1" or the file
+};
+
+/// The request for a generated specimen.
+dem::PackingRequest packing_request(const Scene& scene);
+
+/// Makes or reads the packing of a scene.
+/// \throws std::invalid_argument or std::runtime_error with file and line
+Packing make_packing(const LoadedScene& scene);
+
+/// What a stored packing was made from: the keys of the section Specimen that matter for it.
+std::string packing_recipe(const Scene& scene);
+
+void write_packing(const std::filesystem::path& file, const Packing& packing,
+                   const std::string& recipe);
+
+/// \throws std::runtime_error if the file is damaged or, for a given recipe, was made from another
+Packing read_packing(const std::filesystem::path& file, const std::optional<std::string>& recipe);
+
+/// The bonded specimen with its strengths, and how it was bonded.
+struct Specimen {
+  dem::Assembly assembly;
+  double bond_gap;            ///< largest bonded gap over the smaller radius
+  double viscosity_shift;     ///< a_T [-]
+};
+Specimen make_specimen(const LoadedScene& scene, const Packing& packing);
+
+/// What was asked of the packing and what came out, as text with the mark NOT MET where it failed.
+std::string packing_report(const Scene& scene, const Packing& packing);
+
+} // namespace apps

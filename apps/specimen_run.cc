@@ -1,0 +1,297 @@
+#include "apps/specimen_run.h"
+
+#include "dem/dynamics.h"
+#include "dem/events.h"
+#include "dem/linear.h"
+#include "dem/storage.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+/// Wall time that `work_towards` may take before it comes back [s].
+constexpr double work_slice = 0.1;
+
+class Stopwatch {
+public:
+  double seconds() const
+  {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Snapshot of a network from its dofs.
+Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
+                          std::span<const dem::BondStatus> status, const Eigen::VectorXd& dofs,
+                          const Eigen::VectorXd& elastic)
+{
+  Snapshot snapshot{time, {}, {}, {}, {}, {}};
+  for (std::size_t i = 0; i < network.radius.size(); ++i) {
+    const dem::ParticleMotion m = dem::motion(network, dofs, dem::Index(i));
+    snapshot.displacement.push_back(m.displacement);
+    snapshot.rotation.push_back(m.rotation);
+  }
+  for (std::size_t b = 0; b < network.bonds.size(); ++b) {
+    const dem::BondLoad load = dem::bond_load(
+        network.bonds[b], status[b], dem::deformation(network, network.bonds[b], elastic));
+    snapshot.force.push_back(load.force);
+    snapshot.moment.push_back(load.moment);
+    snapshot.state.push_back(std::uint8_t(status[b]));
+  }
+  return snapshot;
+}
+
+class LinearRun : public SpecimenRun {
+public:
+  LinearRun(const dem::Assembly& assembly, const dem::Loading& loading, double strain_limit)
+      : model_(dem::make_linear_model(assembly)), loading_(loading), limit_(strain_limit)
+  {
+  }
+  void work_towards(double time) override
+  {
+    time_ = time;
+    if (std::abs(strain(time)) >= limit_)
+      end_ = dem::RunEnd::strain_limit;
+    else if (time >= dem::end_time(loading_))
+      end_ = dem::RunEnd::finished;
+  }
+  bool reached(double time) const override { return time_ >= time; }
+  bool ended() const override { return end_ != dem::RunEnd::running; }
+  dem::RunEnd end() const override { return end_; }
+  std::string end_reason() const override { return {}; }
+  double time() const override { return time_; }
+  dem::Response response(double time) const override
+  {
+    const dem::LinearResponse r = dem::linear_response(model_, loading_, time);
+    return {time, r.force, strain(time), 0, 1, model_.compliance, 0};
+  }
+  Snapshot snapshot(double time) const override
+  {
+    const std::vector<dem::BondStatus> intact(model_.network.bonds.size(), dem::BondStatus::intact);
+    return network_snapshot(model_.network, time, intact,
+                            dem::displacements(model_, loading_, time),
+                            dem::elastic_displacements(model_, loading_, time));
+  }
+  const std::vector<dem::Breakage>& breakages() const override { return none_; }
+  void save(dem::Hdf5File& file) const override { file.write("state/time", std::vector{time_}, "s"); }
+  void load(const dem::Hdf5File& file) override { time_ = file.read_doubles("state/time").at(0); }
+  std::string statistics() const override { return "1 elastic solution"; }
+  bool work_is_even_in_time() const override { return false; }
+
+private:
+  double strain(double time) const
+  {
+    return dem::linear_response(model_, loading_, time).displacement / model_.gauge_length;
+  }
+
+  dem::LinearModel model_;
+  dem::Loading loading_;
+  double limit_;
+  double time_ = -1;
+  dem::RunEnd end_ = dem::RunEnd::running;
+  std::vector<dem::Breakage> none_;
+};
+
+class EventsRun : public SpecimenRun {
+public:
+  explicit EventsRun(const dem::EventsModel& model) : model_(model), solver_(model_)
+  {
+    state_ = solver_.start();
+  }
+  void work_towards(double time) override
+  {
+    const Stopwatch watch;
+    while (!ended() && !reached(time) && watch.seconds() < work_slice)
+      state_ = solver_.step(std::move(state_));
+  }
+  bool reached(double time) const override { return solver_.next_change(state_) > time; }
+  bool ended() const override { return state_.end != dem::RunEnd::running; }
+  dem::RunEnd end() const override { return state_.end; }
+  std::string end_reason() const override { return state_.end_reason; }
+  double time() const override { return dem::start(state_.history.segments.back()); }
+  dem::Response response(double time) const override { return solver_.response(state_, time); }
+  Snapshot snapshot(double time) const override
+  {
+    return network_snapshot(model_.network, time, state_.damage.status,
+                            solver_.displacements(state_, time),
+                            solver_.elastic_displacements(state_, time));
+  }
+  const std::vector<dem::Breakage>& breakages() const override { return state_.breakages; }
+  void save(dem::Hdf5File& file) const override { dem::write_state(file, "state", state_); }
+  void load(const dem::Hdf5File& file) override
+  {
+    state_ = dem::read_events_state(file, "state", model_);
+    solver_.resume(state_);
+  }
+  std::string statistics() const override
+  {
+    const auto& s = solver_.network_solver().statistics();
+    return fmt::format("{} unknowns, {} nonzeros in the factor, {} factorisations, {} updates by a "
+                       "broken bond or opened contact, energy in regularising springs {:.1e}",
+                       model_.network.n_dofs, s.n_factor_nonzeros, s.n_factorisations, s.n_updates,
+                       state_.largest_ground_share);
+  }
+  bool work_is_even_in_time() const override { return false; }
+
+private:
+  dem::EventsModel model_;
+  dem::EventsSolver solver_;
+  dem::EventsState state_;
+};
+
+class DynamicRun : public SpecimenRun {
+public:
+  DynamicRun(const dem::DynamicModel& model, int n_threads)
+      : model_(model), n_threads_(n_threads), state_(dem::start(model_))
+  {
+  }
+  void work_towards(double time) override
+  {
+    const Stopwatch watch;
+    while (!ended() && !reached(time) && watch.seconds() < work_slice)
+      state_ = dem::advance(model_, std::move(state_), std::min(256L, steps_to(time)), n_threads_);
+  }
+  bool reached(double time) const override { return steps_to(time) <= 0; }
+  bool ended() const override { return state_.end != dem::RunEnd::running; }
+  dem::RunEnd end() const override { return state_.end; }
+  std::string end_reason() const override { return {}; }
+  double time() const override { return dem::real_time(model_, state_); }
+  dem::Response response(double) const override { return dem::response(model_, state_); }
+  Snapshot snapshot(double) const override
+  {
+    Snapshot snapshot{time(), {}, {}, {}, {}, {}};
+    for (std::size_t i = 0; i < model_.slot.size(); ++i) {
+      const dem::Motion m = dem::motion(model_, state_, dem::Index(i));
+      snapshot.displacement.push_back(m.displacement);
+      snapshot.rotation.push_back(m.rotation);
+    }
+    const std::size_t n_bonds = model_.assembly.bonds.size();
+    snapshot.force.assign(n_bonds, dem::Vec3::Zero());
+    snapshot.moment.assign(n_bonds, dem::Vec3::Zero());
+    snapshot.state.assign(n_bonds, 0);
+    for (std::size_t lane = 0; lane < state_.bonds.bond.size(); ++lane)
+      if (const dem::Index b = state_.bonds.bond[lane]; b >= 0) {
+        const dem::GlobalLoad load =
+            dem::global_load(dem::dynamic_bond(state_.bonds, dem::Index(lane)));
+        snapshot.force[b] = load.force;
+        snapshot.moment[b] = load.moment;
+      }
+    for (const dem::Breakage& breakage : state_.breakages)
+      snapshot.state[breakage.bond] = 2;
+    for (const dem::FrictionContact& contact : state_.contacts.contacts)
+      if (contact.bond >= 0 && contact.closed)
+        snapshot.state[contact.bond] = 1;
+    return snapshot;
+  }
+  const std::vector<dem::Breakage>& breakages() const override { return state_.breakages; }
+  void save(dem::Hdf5File& file) const override { dem::write_state(file, "state", state_); }
+  void load(const dem::Hdf5File& file) override
+  {
+    state_ = dem::read_dynamic_state(file, "state", model_);
+  }
+  std::string statistics() const override
+  {
+    return fmt::format("{} steps of {:.3g} s simulated time, first axial period {:.3g} s, load "
+                       "ramp {:.3g} s (real {:.3g} s)",
+                       state_.n_steps, model_.time_step, model_.axial_period, model_.ramp_time,
+                       model_.ramp_time / model_.settings.viscosity_scaling);
+  }
+  bool work_is_even_in_time() const override { return true; }
+
+private:
+  long steps_to(double time) const
+  {
+    return long(std::ceil(time * model_.settings.viscosity_scaling / model_.time_step - 1e-9)) -
+           state_.n_steps;
+  }
+
+  dem::DynamicModel model_;
+  int n_threads_;
+  dem::DynamicState state_;
+};
+
+/// True if a bond breaks under the load, by the event solver.
+bool breaks_bonds(const Scene& scene, const dem::Assembly& assembly, const dem::Loading& loading)
+{
+  const dem::EventsModel model = dem::make_events_model(
+      assembly, loading, scene.strength.rate_law, scene.after_breakage, scene.load.strain_limit);
+  dem::EventsSolver solver(model);
+  dem::EventsState state = solver.start();
+  while (state.end == dem::RunEnd::running && state.breakages.empty())
+    state = solver.step(std::move(state));
+  return !state.breakages.empty();
+}
+
+} // namespace
+
+std::string name_of(SolverChoice solver)
+{
+  switch (solver) {
+  case SolverChoice::linear:
+    return "linear";
+  case SolverChoice::events:
+    return "events";
+  case SolverChoice::dynamic:
+    return "dynamic";
+  default:
+    return "auto";
+  }
+}
+
+SolverDecision choose_solver(const Scene& scene, const dem::Assembly& assembly,
+                             const dem::Loading& loading)
+{
+  const bool proportional = dem::proportional_laws(assembly.laws).has_value();
+  const std::string several = "the bonds follow several laws that are not proportional, so that "
+                              "their forces depend on history";
+  if (scene.solver == SolverChoice::linear && !proportional)
+    throw std::invalid_argument("Solver = linear: " + several + "; use dynamic");
+  if (scene.solver == SolverChoice::events && !proportional)
+    throw std::invalid_argument("Solver = events: " + several + "; use dynamic");
+  if (scene.solver == SolverChoice::linear && assembly.strengths)
+    return {SolverChoice::linear, "the scene asks for it (bonds are taken as unbreakable)"};
+  if (scene.solver != SolverChoice::automatic)
+    return {scene.solver, "the scene asks for it"};
+  if (!proportional)
+    return {SolverChoice::dynamic, several};
+  if (scene.after_breakage == dem::AfterBreakage::friction && assembly.strengths)
+    return {SolverChoice::dynamic, "broken bonds keep friction"};
+  if (loading.true_stress)
+    return {SolverChoice::events, "laws are proportional; the force follows the strain (true "
+                                  "stress)"};
+  if (!assembly.strengths)
+    return {SolverChoice::linear, "laws are proportional and bonds do not break"};
+  if (!breaks_bonds(scene, assembly, loading))
+    return {SolverChoice::linear, "laws are proportional and no bond reaches its strength"};
+  return {SolverChoice::events, "laws are proportional, bonds break and leave no friction"};
+}
+
+std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
+                                      const dem::Assembly& assembly, const dem::Loading& loading,
+                                      int n_threads)
+{
+  if (solver == SolverChoice::linear)
+    return std::make_unique<LinearRun>(assembly, loading, scene.load.strain_limit);
+  if (solver == SolverChoice::events)
+    return std::make_unique<EventsRun>(
+        dem::make_events_model(assembly, loading, scene.strength.rate_law,
+                               scene.after_breakage, scene.load.strain_limit));
+  dem::DynamicSettings settings = scene.dynamic;
+  settings.after_breakage = scene.after_breakage;
+  settings.friction = scene.friction;
+  return std::make_unique<DynamicRun>(
+      dem::make_dynamic_model(assembly, loading, scene.strength.rate_law, settings,
+                              scene.load.strain_limit),
+      n_threads);
+}
+
+} // namespace apps

@@ -1,0 +1,32 @@
+#pragma once
+#include "apps/run.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// One run of a study: its name and what makes it differ from the scene.
+struct StudyRun {
+  std::string name;
+  std::string override_text; ///< "Section/Key = value"
+};
+
+/// The runs of a scene with a section Study; empty if it describes a single run.
+std::vector<StudyRun> study_runs(const Scene& scene);
+
+/// What is wrong with the runs of a study, each checked as a scene of its own.
+std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file,
+                                         const std::vector<std::string>& overrides,
+                                         const std::vector<StudyRun>& runs);
+
+/// Runs a study: each run in a process and a folder of its own, `n_threads` at a time, and figures
+/// of all runs together. Runs that have finished before are kept when it is resumed.
+/// \return the exit code
+int run_study(LoadedScene scene, const RunOptions& options, bool resume);
+
+/// Goes on with a study from its folder.
+int resume_study(const std::filesystem::path& folder, const RunOptions& options);
+
+} // namespace apps

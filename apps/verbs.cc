@@ -1,0 +1,318 @@
+#include "apps/verbs.h"
+
+#include "apps/files.h"
+#include "apps/plot.h"
+#include "apps/study.h"
+#include "apps/text.h"
+#include "dem/hdf5_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+/// A file or folder that must be there.
+std::filesystem::path existing(const std::string& name, const char* what)
+{
+  if (!std::filesystem::exists(name))
+    throw std::invalid_argument(fmt::format("{}: there is no such {}", name, what));
+  return name;
+}
+
+std::filesystem::path result_file(const std::string& name)
+{
+  const std::filesystem::path path = existing(name, "file or folder");
+  return std::filesystem::is_directory(path) ? path / "result.h5" : path;
+}
+
+dem::Hdf5File open_result(const std::string& name)
+{
+  dem::Hdf5File file = dem::Hdf5File::open(result_file(name));
+  if (!file.is_complete() || file.text_attribute("", "kind") != "result")
+    throw std::invalid_argument(fmt::format("{}: this is not a result of 'mastic run'", name));
+  return file;
+}
+
+/// Columns of a group, those that every table begins with first.
+std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group)
+{
+  std::vector<Column> columns;
+  for (const std::string& name : file.members(group))
+    columns.push_back({name, file.text_attribute(group + "/" + name, "unit"),
+                       file.read_doubles(group + "/" + name)});
+  const std::vector<std::string> first{"time_s",           "frequency_Hz",
+                                       "axial_stress_kPa", "axial_strain_percent",
+                                       "pass",             "bond"};
+  std::ranges::stable_sort(columns, {}, [&](const Column& c) {
+    return std::find(first.begin(), first.end(), c.name) - first.begin();
+  });
+  return columns;
+}
+
+/// Group of the snapshot nearest to a time; says so if it is not that time.
+std::string snapshot_group(const dem::Hdf5File& file, const std::string& time)
+{
+  const std::vector<std::string> names = file.members("snapshots");
+  if (names.empty())
+    throw std::invalid_argument("the result has no snapshots");
+  if (time.empty())
+    return "snapshots/" + names.back();
+  const double wanted = Units().parse(time, "s", "s");
+  std::string best, all;
+  double least = INFINITY, found = 0;
+  for (const std::string& name : names) {
+    const double t = file.number_attribute("snapshots/" + name, "time_s");
+    all += fmt::format("{}{:g}", all.empty() ? "" : ", ", t);
+    if (std::abs(t - wanted) < least) {
+      least = std::abs(t - wanted);
+      best = name;
+      found = t;
+    }
+  }
+  if (least > 1e-9 * std::max(1.0, std::abs(wanted)))
+    fmt::print(stderr, "note: nearest snapshot is at {:g} s; there are: {} s\n", found, all);
+  return "snapshots/" + best;
+}
+
+dem::Particles stored_particles(const dem::Hdf5File& file)
+{
+  dem::Particles particles;
+  const std::vector<double> centre = file.read_doubles("packing/centre");
+  for (std::size_t k = 0; k + 2 < centre.size(); k += 3)
+    particles.centre.emplace_back(centre[k], centre[k + 1], centre[k + 2]);
+  particles.radius = file.read_doubles("packing/radius");
+  return particles;
+}
+
+std::vector<std::array<dem::Index, 2>> stored_ends(const dem::Hdf5File& file)
+{
+  std::vector<std::array<dem::Index, 2>> ends;
+  const std::vector<std::int32_t> numbers = file.read_integers("bonds/particles");
+  for (std::size_t k = 0; k + 1 < numbers.size(); k += 2)
+    ends.push_back({numbers[k], numbers[k + 1]});
+  return ends;
+}
+
+std::string packing_csv(const Packing& packing)
+{
+  std::vector<Column> columns{{"x_mm", "mm", {}}, {"y_mm", "mm", {}}, {"z_mm", "mm", {}},
+                              {"r_mm", "mm", {}}, {"class", "1", {}}};
+  for (std::size_t i = 0; i < packing.particles.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      columns[std::size_t(k)].values.push_back(1e3 * packing.particles.centre[i][k]);
+    columns[3].values.push_back(1e3 * packing.particles.radius[i]);
+    columns[4].values.push_back(packing.particles.material_class[i]);
+  }
+  return csv(columns);
+}
+
+} // namespace
+
+int run_verb(const std::string& scene, const std::string& resume, const std::string& packing,
+             RunOptions options)
+{
+  if (scene.empty() == resume.empty())
+    throw std::invalid_argument("run needs either a scene file or --resume");
+  if (!packing.empty())
+    options.packing = existing(packing, "file");
+  if (!resume.empty()) {
+    const std::filesystem::path from = existing(resume, "file or folder");
+    if (std::filesystem::is_directory(from) && std::filesystem::exists(from / "study.scene"))
+      return resume_study(from, options);
+    return resume_run(std::filesystem::is_directory(from) ? from / "checkpoint.h5" : from, options);
+  }
+  existing(scene, "file");
+  LoadedScene loaded = load_scene(scene, options.overrides);
+  const std::vector<StudyRun> runs =
+      loaded.has_errors() ? std::vector<StudyRun>{} : study_runs(*loaded.scene);
+  if (runs.empty())
+    return run_scene(std::move(loaded), options);
+  for (Diagnostic& each : check_study_runs(scene, options.overrides, runs))
+    loaded.diagnostics.push_back(std::move(each));
+  print_diagnostics(loaded.diagnostics);
+  if (loaded.has_errors())
+    return exit_input;
+  return run_study(std::move(loaded), options, false);
+}
+
+int check_verb(const std::string& scene, const std::vector<std::string>& overrides)
+{
+  existing(scene, "file");
+  LoadedScene loaded = load_scene(scene, overrides);
+  if (!loaded.has_errors())
+    for (Diagnostic& each : check_study_runs(scene, overrides, study_runs(*loaded.scene)))
+      loaded.diagnostics.push_back(std::move(each));
+  if (!loaded.has_errors() && loaded.scene->specimen.source == SpecimenSource::file) {
+    try {
+      make_specimen(loaded, make_packing(loaded));
+    } catch (const std::exception& problem) {
+      loaded.diagnostics.push_back({Diagnostic::Kind::error, "Specimen", problem.what()});
+    }
+  }
+  print_diagnostics(loaded.diagnostics);
+  const auto count = [&](Diagnostic::Kind kind) {
+    return std::ranges::count(loaded.diagnostics, kind, &Diagnostic::kind);
+  };
+  if (loaded.has_errors()) {
+    fmt::print("{}: {} error(s)\n", scene, count(Diagnostic::Kind::error));
+    return exit_input;
+  }
+  fmt::print("{}: no errors, {} warning(s)\n", scene, count(Diagnostic::Kind::warning));
+  return exit_ok;
+}
+
+int pack_verb(const std::string& scene, const std::string& output,
+              const std::vector<std::string>& overrides)
+{
+  existing(scene, "file");
+  const LoadedScene loaded = load_scene(scene, overrides);
+  print_diagnostics(loaded.diagnostics);
+  if (loaded.has_errors())
+    return exit_input;
+  if (loaded.scene->specimen.source != SpecimenSource::generate)
+    throw std::invalid_argument("pack makes packings: the scene needs Source = generate");
+  const std::filesystem::path file = output.empty() ? loaded.name + ".packing.h5" : output;
+  if (file.extension() != ".h5" && file.extension() != ".csv")
+    throw std::invalid_argument(
+        fmt::format("{}: packings are written as .h5 or .csv", file.string()));
+  const Packing packing = make_packing(loaded);
+  if (file.extension() == ".csv")
+    write_text_file(file, packing_csv(packing));
+  else
+    write_packing(file, packing, packing_recipe(*loaded.scene));
+  fmt::print("{}written to {}\n", packing_report(*loaded.scene, packing), file.string());
+  return exit_ok;
+}
+
+int new_verb(const std::string& kind)
+{
+  const std::map<std::string, std::vector<std::string>> kinds{
+      {"creep", {"Title = Creep at constant stress"}},
+      {"constant-rate",
+       {"Title = Constant strain rate", "Loading/Test = constant rate"}},
+      {"history",
+       {"Title = Stress history", "Loading/Test = stress history",
+        "Loading/Stress history = 0 s: 0 kPa, 10 s: 400 kPa, 100 s: 400 kPa, 100 s: 0 kPa, 500 s: "
+        "0 kPa"}},
+      {"network",
+       {"Title = Network from files", "Specimen/Source = file", "Specimen/File = particles.csv",
+        "Specimen/Bond file = bonds.csv", "Loading/Test = particle loads"}},
+      {"dynamic", {"Title = Creep by the explicit solver", "Solver = dynamic"}},
+      {"study",
+       {"Title = Creep at several stresses", "Study/Vary = Loading/Axial stress",
+        "Study/Values = 400 kPa, 500 kPa, 600 kPa, 1000 kPa"}}};
+  const auto found = kinds.find(kind);
+  if (found == kinds.end()) {
+    std::vector<std::string> names;
+    std::string all;
+    for (const auto& [name, settings] : kinds) {
+      names.push_back(name);
+      all += (all.empty() ? "" : ", ") + name;
+    }
+    const std::string close = nearest(kind, names);
+    throw std::invalid_argument(
+        fmt::format("there is no kind '{}' of scene; kinds: {}{}", kind, all,
+                    close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+  }
+  const LoadedScene scene = load_scene_text("", kind, ".", found->second);
+  fmt::print("# A scene for mastic. Every key is shown with its meaning, its unit and range, and "
+             "its default;\n# keys may be left out. Check it with: mastic check FILE\n\n{}",
+             scene.schema->print(true));
+  return exit_ok;
+}
+
+int plot_verb(const std::vector<std::string>& results, const std::string& output)
+{
+  std::vector<std::filesystem::path> folders;
+  for (const std::string& each : results) {
+    const std::filesystem::path path = existing(each, "file or folder");
+    if (std::filesystem::is_directory(path) && !std::filesystem::exists(path / "result.h5")) {
+      for (const auto& inside : std::filesystem::directory_iterator(path)) // a study
+        if (std::filesystem::exists(inside.path() / "result.h5"))
+          folders.push_back(inside.path());
+    } else
+      folders.push_back(std::filesystem::is_directory(path) ? path : path.parent_path());
+  }
+  if (folders.empty())
+    throw std::invalid_argument(fmt::format("{}: there are no results in it", results[0]));
+  std::ranges::sort(folders);
+  std::filesystem::path target = output;
+  if (output.empty())
+    target = std::filesystem::is_directory(results[0]) ? results[0] : folders[0].string();
+  std::filesystem::create_directories(target);
+  const std::vector<std::string> figures = make_figures(folders, target);
+  for (const std::string& figure : figures)
+    fmt::print("{}\n", figure);
+  return figures.empty() ? exit_failure : exit_ok;
+}
+
+int export_verb(const std::string& result, const std::string& table, const std::string& time)
+{
+  const std::vector<std::string> tables{"history", "breakages", "particles", "bonds",
+                                        "complex_modulus"};
+  if (std::find(tables.begin(), tables.end(), table) == tables.end()) {
+    const std::string close = nearest(table, tables);
+    throw std::invalid_argument(fmt::format(
+        "there is no table '{}'; tables: history, breakages, particles, bonds, complex_modulus{}",
+        table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+  }
+  const dem::Hdf5File file = open_result(result);
+  std::vector<Column> columns;
+  if (table == "particles" || table == "bonds") {
+    const Snapshot snapshot = read_snapshot(file, snapshot_group(file, time));
+    columns = table == "particles" ? particle_columns(stored_particles(file), snapshot)
+                                   : bond_columns(stored_ends(file), snapshot);
+  } else {
+    if (!file.has(table))
+      throw std::invalid_argument(fmt::format("the result has no table '{}'", table));
+    columns = stored_columns(file, table);
+  }
+  fmt::print("{}", csv(columns));
+  return exit_ok;
+}
+
+int info_verb(const std::string& name)
+{
+  const std::filesystem::path path = result_file(name);
+  const dem::Hdf5File file = dem::Hdf5File::open(path);
+  if (!file.is_complete())
+    throw std::invalid_argument(fmt::format("{}: the file is cut off", path.string()));
+  const std::string kind = file.text_attribute("", "kind");
+  fmt::print("{}: {}\n", path.string(), kind);
+  if (kind == "packing") {
+    fmt::print("  {}\n  {}\n", file.text_attribute("", "origin"), file.text_attribute("", "recipe"));
+    return exit_ok;
+  }
+  if (kind == "checkpoint") {
+    fmt::print("  scene {}, solver {}\n  to go on: mastic run --resume {}\n",
+               file.text_attribute("scene", "name"), file.text_attribute("scene", "solver"),
+               path.string());
+    return exit_ok;
+  }
+  for (const char* attribute :
+       {"name", "title", "program", "revision", "compiler", "written_utc", "solver",
+        "solver_reason", "solver_statistics", "end", "end_reason", "estimated_values"})
+    fmt::print("  {:<20} {}\n", attribute, file.text_attribute("", attribute));
+  for (const char* attribute :
+       {"threads", "wall_time_s", "packing_seed", "strength_seed", "viscosity_shift_aT"})
+    fmt::print("  {:<20} {:g}\n", attribute, file.number_attribute("", attribute));
+  fmt::print("  {:<20} {}\n", "particles", file.read_doubles("packing/radius").size());
+  fmt::print("  {:<20} {}\n", "bonds", stored_ends(file).size());
+  fmt::print("  {:<20} {}\n", "broken bonds", file.read_doubles("breakages/time_s").size());
+  std::string times;
+  for (const std::string& each : file.members("snapshots"))
+    times += fmt::format("{}{:g}", times.empty() ? "" : ", ",
+                         file.number_attribute("snapshots/" + each, "time_s"));
+  fmt::print("  {:<20} {} s\n\nscene as resolved:\n\n{}", "snapshots at", times,
+             file.read_text("scene/resolved"));
+  return exit_ok;
+}
+
+} // namespace apps
