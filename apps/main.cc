@@ -11,6 +11,7 @@
 #include <exception>
 #include <functional>
 #include <stdexcept>
+#include <thread>
 
 using namespace apps;
 
@@ -39,7 +40,7 @@ void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
                    "Go on from a checkpoint, or from the folder of an interrupted study");
   verb->add_option("--packing", a.packing, "Packing stored by 'mastic pack' for this scene");
   verb->add_option("--threads", a.run.n_threads,
-                   "Threads of the explicit solver; runs at a time in a study (default 1)")
+                   "Threads of the explicit solver; runs at a time in a study (default: all)")
       ->check(CLI::Range(1, 1024));
   verb->add_flag("--quiet", a.run.quiet, "No progress");
   verb->add_flag("--report", a.run.for_parent)->group("");
@@ -94,6 +95,7 @@ int main(int argc, char** argv)
              "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
              "checkpoint, 5 the specimen lost its equilibrium.");
   Arguments arguments;
+  arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::function<int()> action;
   add_run(app, arguments, action);
   add_others(app, arguments, action);

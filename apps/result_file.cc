@@ -62,11 +62,8 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
   file.set_attribute("", "threads", r.n_threads);
   file.set_attribute("", "packing_seed", double(r.scene.scene->specimen.seed));
   file.set_attribute("", "strength_seed", double(r.scene.scene->strength.seed));
-  file.set_attribute("", "estimated_values",
-                     std::string(r.scene.scene->preset == BondPreset::estimate
-                                     ? "preset 'estimate': keys of Bonds and Strength that were not "
-                                       "set are estimates, not the paper's tables"
-                                     : "none"));
+  const std::string estimates = estimated_keys(r.scene);
+  file.set_attribute("", "estimated_values", estimates.empty() ? std::string("none") : estimates);
   file.set_attribute("", "viscosity_shift_aT", r.specimen.viscosity_shift);
   if (r.specimen.assembly.strengths)
     file.set_attribute("", "nonpositive_strength_draws",

@@ -153,15 +153,9 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
 /// Where estimated numbers are in use, the user is told.
 void tell_estimates(const LoadedScene& scene)
 {
-  if (scene.scene->preset != BondPreset::estimate)
-    return;
-  std::string list;
-  for (const char* key : {"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
-                          "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity"})
-    if (!scene.schema->set_keys().contains(key))
-      list += fmt::format("{}{}", list.empty() ? "" : ", ", std::string(key).substr(6));
+  const std::string list = estimated_keys(scene);
   if (!list.empty())
-    say("  preset 'estimate': estimated values, not the paper's tables, for " + list);
+    say("  preset 'estimate': estimates, not the paper's tables, stand for " + list);
 }
 
 void start_run(RunInProgress& r, const RunOptions& options)

@@ -23,7 +23,7 @@ enum ExitCode {
 struct RunOptions {
   std::vector<std::string> overrides;
   std::optional<std::filesystem::path> packing; ///< stored packing to use instead of a new one
-  int n_threads = 1;
+  int n_threads = 1; ///< of the explicit solver; runs at a time in a study
   bool quiet = false;
   bool for_parent = false; ///< progress in lines for a study
 };

@@ -305,6 +305,23 @@ bool LoadedScene::has_errors() const
       diagnostics, [](const Diagnostic& d) { return d.kind == Diagnostic::Kind::error; });
 }
 
+std::string estimated_keys(const LoadedScene& scene)
+{
+  std::string list;
+  if (scene.scene->preset != BondPreset::estimate)
+    return list;
+  std::vector<std::string> keys{"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
+                                "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
+                                "Bonds/Radius multiplier"};
+  if (scene.scene->strength.kind != StrengthKind::none)
+    keys.insert(keys.end(), {"Strength/Nonpositive draws", "Strength/Shear to normal ratio",
+                             "Strength/Rate window", "Strength/Rate floor"});
+  for (const std::string& key : keys)
+    if (scene.schema->is_default(key))
+      list += (list.empty() ? "" : ", ") + key.substr(key.find('/') + 1);
+  return list;
+}
+
 LoadedScene load_scene_text(const std::string& text, const std::string& name,
                             const std::filesystem::path& folder,
                             const std::vector<std::string>& overrides)

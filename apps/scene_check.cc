@@ -19,7 +19,8 @@ public:
   {
     const auto found = schema_.set_keys().find(key);
     const std::string place = found != schema_.set_keys().end() ? found->second : key + " (default)";
-    list.push_back({kind, place, message});
+    const bool typed = found != schema_.set_keys().end();
+    list.push_back({kind, place, typed ? key.substr(key.rfind('/') + 1) + ": " + message : message});
   }
   void error(const std::string& key, const std::string& message)
   {
@@ -58,8 +59,8 @@ void check_specimen(const Scene& scene, Findings& findings)
         findings.error("Specimen/Grading", std::string(problem.what()) + ", table");
       }
     }
-    if (findings.is_set("Specimen/Grading table") && v.grading != "table")
-      findings.error("Specimen/Grading table", "is not used unless Grading = table");
+    if (!v.grading_table.empty() && v.grading != "table")
+      findings.error("Specimen/Grading table", "is used with Grading = table only");
   }
 }
 

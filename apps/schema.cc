@@ -312,6 +312,17 @@ std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)
   return diagnostics;
 }
 
+bool Schema::is_default(const std::string& path) const
+{
+  const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) {
+    return path_of(k.section, k.name) == path;
+  });
+  std::vector<std::string> sections;
+  if (!key->section.empty())
+    sections.push_back(key->section);
+  return handler_.get(sections, key->name) == key->initial;
+}
+
 std::string Schema::print(bool comments) const
 {
   std::string result;

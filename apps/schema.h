@@ -90,6 +90,9 @@ public:
   /// Keys that were set, with the place of the last setting.
   const std::map<std::string, std::string>& set_keys() const { return set_keys_; }
 
+  /// Whether a key has its default, typed or not.
+  bool is_default(const std::string& path) const;
+
   /// The scene with all keys and their present values, as a scene file. With `comments`: what each
   /// key means, its unit, range and default.
   std::string print(bool comments) const;

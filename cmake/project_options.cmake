@@ -15,7 +15,8 @@ add_library(project_options INTERFACE)
 # No -ffast-math: sums keep their order and NaN stays visible. errno and traps are not used.
 target_compile_options(project_options INTERFACE
   -Wall -Wextra -Wshadow -fno-math-errno -fno-trapping-math
-  -Wno-maybe-uninitialized) # GCC 12 warns inside its own AVX-512 header
+  -Wno-maybe-uninitialized # GCC 12 warns inside its own AVX-512 header
+  -Wno-restrict)           # and inside its own std::string
 if(MASTIC_NATIVE)
   target_compile_options(project_options INTERFACE -march=native)
 endif()
