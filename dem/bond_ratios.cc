@@ -12,28 +12,17 @@ constexpr double force_noise = 1e-12;
 
 } // namespace
 
-ForcePair bond_force(const ElasticNetwork& network, Index bond, BondStatus status,
-                     const Eigen::VectorXd& dofs)
+BondRatios bond_ratios(std::span<const BondStatus> status, const Strengths& strengths,
+                       std::vector<ForcePair> force)
 {
-  const ElasticNetwork::Bond& b = network.bonds[bond];
-  const Vec3 force = bond_load(b, status, deformation(network, b, dofs)).force;
-  const double normal = force.dot(b.normal);
-  return {normal, (force - normal * b.normal).norm()};
-}
-
-BondRatios bond_ratios(const ElasticNetwork& network, std::span<const BondStatus> status,
-                       const Strengths& strengths, const Eigen::VectorXd& unit_response)
-{
-  const std::size_t n = network.bonds.size();
+  const std::size_t n = force.size();
   BondRatios result{
-      std::vector<ForcePair>(n), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), {}};
+      std::move(force), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), {}};
   double largest = 0;
-  for (std::size_t b = 0; b < n; ++b) {
-    result.force[b] = bond_force(network, Index(b), status[b], unit_response);
-    largest = std::max({largest, std::abs(result.force[b].normal), result.force[b].shear});
-  }
-  const auto ratio = [&](double force, double strength) {
-    return force > force_noise * largest ? force / strength : 0;
+  for (const auto& [normal, shear] : result.force)
+    largest = std::max({largest, std::abs(normal), shear});
+  const auto ratio = [&](double part, double strength) {
+    return part > force_noise * largest ? part / strength : 0;
   };
   for (std::size_t b = 0; b < n; ++b) {
     if (status[b] != BondStatus::intact)

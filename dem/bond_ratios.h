@@ -7,14 +7,6 @@
 
 namespace dem {
 
-/// Normal force (tension positive) and magnitude of the shear force of a bond [N].
-struct ForcePair {
-  double normal, shear;
-};
-
-ForcePair bond_force(const ElasticNetwork& network, Index bond, BondStatus status,
-                     const Eigen::VectorXd& dofs);
-
 /// Largest force over strength among all bonds, per unit of the load factor, for load factors of
 /// either sign (forces that pull under one sign press under the other).
 struct CriticalRatio {
@@ -32,8 +24,9 @@ struct BondRatios {
   CriticalRatio critical;
 };
 
-BondRatios bond_ratios(const ElasticNetwork& network, std::span<const BondStatus> status,
-                       const Strengths& strengths, const Eigen::VectorXd& unit_response);
+/// \param force  of each bond, per unit of the load factor
+BondRatios bond_ratios(std::span<const BondStatus> status, const Strengths& strengths,
+                       std::vector<ForcePair> force);
 
 /// Intact bonds whose ratio is within 1e-12 of the largest under a load factor of this sign.
 std::vector<Index> critical_bonds(const BondRatios& ratios, bool positive_load);

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace dem {
@@ -80,6 +81,40 @@ Pieces find_pieces(const ElasticNetwork& network, std::span<const BondStatus> st
       pieces.hold[pieces.piece[i]] = PieceHold::held;
   pieces.platens_connected = touching.find(n) == touching.find(n + 1);
   return pieces;
+}
+
+ParticleBonds particle_bonds(const ElasticNetwork& network)
+{
+  ParticleBonds result{std::vector<Index>(network.radius.size() + 1, 0), {}};
+  for (const ElasticNetwork::Bond& bond : network.bonds)
+    for (const Index end : bond.ends)
+      ++result.start[end + 1];
+  std::partial_sum(result.start.begin(), result.start.end(), result.start.begin());
+  result.bond.resize(result.start.back());
+  std::vector<Index> next = result.start;
+  for (std::size_t b = 0; b < network.bonds.size(); ++b)
+    for (const Index end : network.bonds[b].ends)
+      result.bond[next[end]++] = Index(b);
+  return result;
+}
+
+bool connected_nearby(const ElasticNetwork& network, const ParticleBonds& bonds,
+                      std::span<const BondStatus> status, Index from, Index to)
+{
+  constexpr std::size_t most_visited = 200;
+  std::vector<Index> visited{from};
+  for (std::size_t k = 0; k < visited.size() && visited.size() < most_visited; ++k)
+    for (const Index b : bonds.of(visited[k])) {
+      if (status[b] != BondStatus::intact)
+        continue;
+      const auto& ends = network.bonds[b].ends;
+      const Index other = ends[0] == visited[k] ? ends[1] : ends[0];
+      if (other == to)
+        return true;
+      if (std::find(visited.begin(), visited.end(), other) == visited.end())
+        visited.push_back(other);
+    }
+  return false;
 }
 
 std::string equilibrium_obstacle(const ElasticNetwork& network, const Pieces& pieces)

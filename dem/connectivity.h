@@ -27,6 +27,23 @@ struct Pieces {
 /// Finds the pieces by union-find: linear in the number of bonds.
 Pieces find_pieces(const ElasticNetwork& network, std::span<const BondStatus> status);
 
+/// The bonds of each particle.
+struct ParticleBonds {
+  std::vector<Index> start; ///< of each particle in `bond`, and the end
+  std::vector<Index> bond;
+
+  std::span<const Index> of(Index particle) const
+  {
+    return {bond.data() + start[particle], std::size_t(start[particle + 1] - start[particle])};
+  }
+};
+ParticleBonds particle_bonds(const ElasticNetwork& network);
+
+/// Whether intact bonds still connect two particles, searched for among near particles only: false
+/// may also mean that the way round is long.
+bool connected_nearby(const ElasticNetwork& network, const ParticleBonds& bonds,
+                      std::span<const BondStatus> status, Index from, Index to);
+
 /// Why a network cannot be in equilibrium, judged by its connections alone; empty if nothing
 /// speaks against it. (Pressed contacts without friction may still be a mechanism.)
 std::string equilibrium_obstacle(const ElasticNetwork& network, const Pieces& pieces);

@@ -31,7 +31,7 @@ double largest_frequency(const ElasticNetwork& network, double density)
     // symmetric form M^-1/2 K M^-1/2, whose Rayleigh quotient converges twice as fast
     const Eigen::VectorXd root = inverse_mass.cwiseSqrt();
     const Eigen::VectorXd y =
-        root.cwiseProduct(stiffness_times(network, intact, root.cwiseProduct(x)));
+        root.cwiseProduct(network_forces(network, intact, root.cwiseProduct(x)).nodal);
     squared = x.dot(y);
     x = y;
   }

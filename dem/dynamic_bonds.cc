@@ -61,15 +61,11 @@ void fill_lane(DynamicBonds& bonds, const Assembly& assembly, Index lane, Index 
     field(bonds, block, tangent + k)[l] = t[k];
   }
   field(bonds, block, distance)[l] = branch.norm();
-  const ModeStiffness stiffness =
-      mode_stiffness(assembly.laws[assembly.bonds.law[b]], assembly.bonds.section_radius[b]);
+  const BondLaw& law = assembly.laws[assembly.bonds.law[b]];
+  set_stiffness(bonds, lane, mode_stiffness(law, assembly.bonds.section_radius[b]));
   const auto set = [&](Constant which, double value) {
     field(bonds, block, constant(bonds.n_modes, which))[l] = value;
   };
-  set(k_normal, stiffness.normal);
-  set(k_shear, stiffness.shear);
-  set(k_torsion, stiffness.torsion);
-  set(k_bending, stiffness.bending);
   set(offset, assembly.bonds.contact_offset[b]);
   set(s_normal, assembly.strengths ? assembly.strengths->normal[b] : infinity);
   set(s_shear, assembly.strengths ? assembly.strengths->shear[b] : infinity);
@@ -361,13 +357,24 @@ GlobalLoad global_load(const DynamicBond& bond)
           total[3] * bond.normal + total[4] * bond.tangent + total[5] * second};
 }
 
+void set_stiffness(DynamicBonds& bonds, Index lane, const ModeStiffness& stiffness)
+{
+  const Index block = lane / lanes, l = lane % lanes;
+  const auto set = [&](Constant which, double value) {
+    field(bonds, block, constant(bonds.n_modes, which))[l] = value;
+  };
+  set(k_normal, stiffness.normal);
+  set(k_shear, stiffness.shear);
+  set(k_torsion, stiffness.torsion);
+  set(k_bending, stiffness.bending);
+}
+
 void remove_bond(DynamicBonds& bonds, Index lane)
 {
   const Index block = lane / lanes, l = lane % lanes;
   for (int which = 0; which < 6 * bonds.n_modes; ++which)
     field(bonds, block, modes + which)[l] = 0;
-  for (const Constant which : {k_normal, k_shear, k_torsion, k_bending})
-    field(bonds, block, constant(bonds.n_modes, which))[l] = 0;
+  set_stiffness(bonds, lane, {0, 0, 0, 0});
   for (const Constant which : {s_normal, s_shear})
     field(bonds, block, constant(bonds.n_modes, which))[l] = infinity;
 }

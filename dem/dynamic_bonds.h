@@ -99,6 +99,9 @@ struct GlobalLoad {
 };
 GlobalLoad global_load(const DynamicBond& bond);
 
+/// Gives a bond stiffnesses that do not follow from its section. Forces it carries stay.
+void set_stiffness(DynamicBonds& bonds, Index lane, const ModeStiffness& stiffness);
+
 /// Takes all stiffness and force from a bond and makes it unbreakable: it is gone.
 void remove_bond(DynamicBonds& bonds, Index lane);
 

@@ -135,13 +135,19 @@ void EventsSolver::refresh(const Damage& damage)
   const Eigen::VectorXd& load = model_->network.unit_load;
   unit_response_ = Eigen::VectorXd::Zero(model_->network.n_dofs);
   compliance_ = 0;
+  double scale = 0; // of the response that is used over that of the solver
   if (network_solver_.response() && !load.isZero(0)) {
     unit_response_ = *network_solver_.response();
     compliance_ = load.dot(unit_response_) / load.norm();
-    if (model_->loading.control == Loading::Control::displacement)
-      unit_response_ /= compliance_;
+    scale = model_->loading.control == Loading::Control::displacement ? 1 / compliance_ : 1;
+    unit_response_ *= scale;
   }
-  ratios_ = bond_ratios(model_->network, damage.status, model_->strengths, unit_response_);
+  std::vector<ForcePair> force(damage.status.size(), {0, 0});
+  if (scale > 0)
+    std::ranges::transform(network_solver_.bond_forces(), force.begin(), [&](ForcePair f) {
+      return ForcePair{scale * f.normal, scale * f.shear};
+    });
+  ratios_ = bond_ratios(damage.status, model_->strengths, std::move(force));
 }
 
 void EventsSolver::begin_segment(EventsState& state, double time) const

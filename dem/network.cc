@@ -92,22 +92,37 @@ BondLoad bond_load(const ElasticNetwork::Bond& bond, BondStatus status,
           torsion * twist + bending * (deformation.phi - twist)};
 }
 
-Eigen::VectorXd stiffness_times(const ElasticNetwork& network, std::span<const BondStatus> status,
-                                const Eigen::VectorXd& dofs)
+ForcePair bond_force(const ElasticNetwork::Bond& bond, BondStatus status,
+                     const BondDeformation& deformation)
 {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(network.n_dofs);
+  if (status == BondStatus::gone)
+    return {0, 0};
+  const double opening = bond.normal.dot(deformation.delta);
+  if (status == BondStatus::pressed)
+    return {bond.stiffness.normal * opening, 0};
+  return {bond.stiffness.normal * opening,
+          bond.stiffness.shear * (deformation.delta - opening * bond.normal).norm()};
+}
+
+NetworkForces network_forces(const ElasticNetwork& network, std::span<const BondStatus> status,
+                             const Eigen::VectorXd& dofs)
+{
+  NetworkForces result{std::vector<ForcePair>(network.bonds.size(), {0, 0}),
+                       Eigen::VectorXd::Zero(network.n_dofs)};
   const auto add = [&](Index particle, const Vec3& force, const Vec3& moment) {
     if (const Index dof = network.first_dof[particle]; dof >= 0) {
-      result.segment<3>(dof) += force;
-      result.segment<3>(dof + 3) += moment / network.radius[particle];
+      result.nodal.segment<3>(dof) += force;
+      result.nodal.segment<3>(dof + 3) += moment / network.radius[particle];
     } else if (network.support[particle] == Support::top && network.platen_dof >= 0)
-      result[network.platen_dof] += force.z();
+      result.nodal[network.platen_dof] += force.z();
   };
   for (std::size_t b = 0; b < network.bonds.size(); ++b) {
     if (status[b] == BondStatus::gone)
       continue;
     const ElasticNetwork::Bond& bond = network.bonds[b];
-    const BondLoad load = bond_load(bond, status[b], deformation(network, bond, dofs));
+    const BondDeformation strained = deformation(network, bond, dofs);
+    const BondLoad load = bond_load(bond, status[b], strained);
+    result.bond[b] = bond_force(bond, status[b], strained);
     add(bond.ends[0], -load.force, -load.moment - bond.arm_a.cross(load.force));
     add(bond.ends[1], load.force, load.moment + bond.arm_b.cross(load.force));
   }

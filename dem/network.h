@@ -68,9 +68,20 @@ struct BondLoad {
 BondLoad bond_load(const ElasticNetwork::Bond& bond, BondStatus status,
                    const BondDeformation& deformation);
 
-/// Sum over the bonds of the forces they exert against a displacement: K x.
-Eigen::VectorXd stiffness_times(const ElasticNetwork& network, std::span<const BondStatus> status,
-                                const Eigen::VectorXd& dofs);
+/// Normal force (tension positive) and magnitude of the shear force of a bond [N].
+struct ForcePair {
+  double normal, shear;
+};
+ForcePair bond_force(const ElasticNetwork::Bond& bond, BondStatus status,
+                     const BondDeformation& deformation);
+
+/// What a displacement does to a network.
+struct NetworkForces {
+  std::vector<ForcePair> bond; ///< of each bond
+  Eigen::VectorXd nodal;       ///< forces that hold the displacement, K x
+};
+NetworkForces network_forces(const ElasticNetwork& network, std::span<const BondStatus> status,
+                             const Eigen::VectorXd& dofs);
 
 /// Dofs of the two ends of a bond, 6 each; -1 where the end is held.
 std::array<Index, 12> bond_dofs(const ElasticNetwork& network, const ElasticNetwork::Bond& bond);

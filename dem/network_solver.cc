@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dem {
@@ -10,7 +11,7 @@ namespace dem {
 namespace {
 
 /// Columns after which a factorisation is cheaper than ever longer updates (6 per bond).
-constexpr int most_columns = 1200;
+constexpr int most_columns = 900;
 /// Bonds that change together from which on a factorisation is cheaper than updates.
 constexpr int most_changes = 60;
 /// Pivot of I - Y^T Y below which a change leaves (nearly) no stiffness in some direction.
@@ -49,7 +50,10 @@ Damage undamaged(const ElasticNetwork& network)
 }
 
 NetworkSolver::NetworkSolver(const ElasticNetwork& network, const Damage& damage)
-    : network_(&network), pattern_(stiffness_pattern(network)), factor_(pattern_)
+    : network_(&network), particle_bonds_(particle_bonds(network)),
+      pattern_(stiffness_pattern(network)), factor_(pattern_),
+      ground_stiffness_(relative_ground_stiffness * mean_normal_stiffness(network)),
+      columns_(factor_.supernode_starts())
 {
   factorise(damage.factorised);
   std::vector<BondStatus> status = damage.factorised;
@@ -58,6 +62,7 @@ NetworkSolver::NetworkSolver(const ElasticNetwork& network, const Damage& damage
     for (const BondChange& change : changes)
       status[change.bond] = change.status;
   }
+  pieces_ = find_pieces(network, status);
   respond(status);
 }
 
@@ -66,12 +71,15 @@ Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
   const std::vector<BondStatus> before = damage.status;
   for (const BondChange& change : changes)
     damage.status[change.bond] = change.status;
-  const Pieces pieces = find_pieces(*network_, damage.status);
+  const Pieces pieces = keeps_pieces(before, damage.status, changes)
+                            ? pieces_
+                            : find_pieces(*network_, damage.status);
   const bool same_holds = std::ranges::equal(
       pieces.piece, pieces_.piece, {}, [&](int k) { return pieces.hold[k]; },
       [&](int k) { return pieces_.hold[k]; });
-  if (std::ssize(changes) <= most_changes && n_columns_ + 6 * std::ssize(changes) <= most_columns &&
-      same_holds && update(before, changes)) {
+  if (std::ssize(changes) <= most_changes &&
+      columns_.size() + 6 * std::ssize(changes) <= most_columns && same_holds &&
+      update(before, changes)) {
     damage.updates.emplace_back(changes.begin(), changes.end());
     pieces_ = pieces;
   } else {
@@ -83,13 +91,25 @@ Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
   return damage;
 }
 
+/// True if the changes surely leave the pieces and what holds them as they are.
+bool NetworkSolver::keeps_pieces(std::span<const BondStatus> before,
+                                 std::span<const BondStatus> after,
+                                 std::span<const BondChange> changes) const
+{
+  return std::ranges::all_of(changes, [&](const BondChange& change) {
+    const auto [a, b] = network_->bonds[change.bond].ends;
+    if (before[change.bond] == BondStatus::intact)
+      return pieces_.of(a) == PieceHold::held &&
+             connected_nearby(*network_, particle_bonds_, after, a, b);
+    return pieces_.piece[a] == pieces_.piece[b] && pieces_.of(a) == PieceHold::held;
+  });
+}
+
 void NetworkSolver::factorise(std::span<const BondStatus> status)
 {
   pieces_ = find_pieces(*network_, status);
   columns_.clear();
-  first_column_.clear();
-  n_columns_ = 0;
-  cholesky_.resize(0, 0);
+  complement_.clear();
   reduced_load_.resize(0);
   obstacle_ = equilibrium_obstacle(*network_, pieces_);
   ++statistics_.n_factorisations;
@@ -107,79 +127,84 @@ bool NetworkSolver::update(std::span<const BondStatus> before, std::span<const B
     return false;
   for (const BondChange& change : changes) {
     const LostModes lost = lost_modes(*network_, change.bond, before[change.bond], change.status);
-    const Eigen::Index n = lost.entries.cols(), n_before = n_columns_;
-    if (n == 0 || lost.dofs.empty())
+    if (lost.entries.cols() == 0 || lost.dofs.empty())
       continue;
-    SupernodalFactor::SparseColumns block = factor_.half_solve(lost.dofs, lost.entries);
-    Eigen::MatrixXd border(n_before, n); // cholesky_^-1 (-Y_before^T Y_new)
-    for (std::size_t k = 0; k < columns_.size(); ++k)
-      border.middleRows(first_column_[k], columns_[k].values.cols()) =
-          -factor_.gram(columns_[k], block);
-    const auto lower = cholesky_.topLeftCorner(n_before, n_before).triangularView<Eigen::Lower>();
-    lower.solveInPlace(border);
-    Eigen::MatrixXd corner = Eigen::MatrixXd::Identity(n, n) - factor_.gram(block, block);
-    corner.noalias() -= border.transpose() * border;
-    const Eigen::LLT<Eigen::MatrixXd> pivots(corner);
-    if (pivots.info() != Eigen::Success ||
-        pivots.matrixLLT().diagonal().minCoeff() < std::sqrt(smallest_pivot))
+    if (!remove(factor_.half_solve(lost.dofs, lost.entries)))
       return false;
-    if (n_before + n > cholesky_.rows()) {
-      const Eigen::Index size = std::max<Eigen::Index>(2 * cholesky_.rows(), n_before + n + 60);
-      Eigen::MatrixXd larger = Eigen::MatrixXd::Zero(size, size);
-      larger.topLeftCorner(n_before, n_before) = cholesky_.topLeftCorner(n_before, n_before);
-      cholesky_ = std::move(larger);
-    }
-    cholesky_.block(n_before, 0, n, n_before) = border.transpose();
-    cholesky_.block(n_before, n_before, n, n) = pivots.matrixL();
-    Eigen::VectorXd load = factor_.gram(block, half_solved_load_);
-    load.noalias() -= border.transpose() * reduced_load_;
-    pivots.matrixL().solveInPlace(load);
-    reduced_load_.conservativeResize(n_before + n);
-    reduced_load_.tail(n) = load;
-    first_column_.push_back(n_columns_);
-    columns_.push_back(std::move(block));
-    n_columns_ += int(n);
     ++statistics_.n_updates;
   }
   return true;
 }
 
+/// Borders the factor of I - Y^T Y by new columns; false if next to nothing would be left in some
+/// direction.
+bool NetworkSolver::remove(const SupernodalFactor::SparseColumns& lost)
+{
+  const int n = lost.n_columns;
+  std::vector<Lanes> border = columns_.products(lost); // Y^T Y_new, then -C^-1 of it
+  complement_.solve(border);
+  std::array<Lanes, n_lanes> gram{}; // Y_new^T (I + Y (I - Y^T Y)^-1 Y^T) Y_new
+  const auto add_squares = [&](const std::vector<Lanes>& rows) {
+    for (const Lanes& x : rows)
+      for (int k = 0; k < n; ++k)
+        gram[k] += x[k] * x;
+  };
+  add_squares(lost.row);
+  add_squares(border);
+  Eigen::MatrixXd corner = Eigen::MatrixXd::Identity(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      corner(i, j) -= gram[i][j];
+  const Eigen::LLT<Eigen::MatrixXd> pivots(corner);
+  if (pivots.info() != Eigen::Success ||
+      pivots.matrixLLT().diagonal().minCoeff() < std::sqrt(smallest_pivot))
+    return false;
+  Lanes load = no_lanes();
+  const std::span<const int> starts = factor_.supernode_starts();
+  for (std::size_t p = 0; p < lost.supernode.size(); ++p) {
+    const int s = lost.supernode[p];
+    for (int i = starts[s]; i < starts[s + 1]; ++i)
+      load += lost.row[lost.first_row[p] + i - starts[s]] * half_solved_load_[i];
+  }
+  for (std::size_t k = 0; k < border.size(); ++k) {
+    load += border[k] * reduced_load_[Eigen::Index(k)];
+    border[k] = -border[k];
+  }
+  Eigen::VectorXd fresh(n);
+  for (int k = 0; k < n; ++k)
+    fresh[k] = load[k];
+  pivots.matrixL().solveInPlace(fresh);
+  reduced_load_.conservativeResize(reduced_load_.size() + n);
+  reduced_load_.tail(n) = fresh;
+  complement_.append(border, pivots.matrixLLT());
+  columns_.append(lost);
+  return true;
+}
+
 Eigen::VectorXd NetworkSolver::reduced(const Eigen::VectorXd& half_solved_load) const
 {
-  Eigen::VectorXd result(n_columns_);
-  for (std::size_t k = 0; k < columns_.size(); ++k)
-    result.segment(first_column_[k], columns_[k].values.cols()) =
-        factor_.gram(columns_[k], half_solved_load);
-  cholesky_.topLeftCorner(n_columns_, n_columns_)
-      .triangularView<Eigen::Lower>()
-      .solveInPlace(result);
+  Eigen::VectorXd result = columns_.products(half_solved_load);
+  complement_.solve(result);
   return result;
 }
 
-Eigen::VectorXd NetworkSolver::solved(const Eigen::VectorXd& half_solved_load,
-                                      const Eigen::VectorXd& reduced_load) const
+Eigen::VectorXd NetworkSolver::solved(Eigen::VectorXd half_solved_load,
+                                      Eigen::VectorXd reduced_load) const
 {
-  Eigen::VectorXd weights = reduced_load;
-  cholesky_.topLeftCorner(n_columns_, n_columns_)
-      .triangularView<Eigen::Lower>()
-      .transpose()
-      .solveInPlace(weights);
-  Eigen::VectorXd y = half_solved_load;
-  for (std::size_t k = 0; k < columns_.size(); ++k)
-    factor_.add(columns_[k], weights.segment(first_column_[k], columns_[k].values.cols()), y);
-  return factor_.back_solve(std::move(y));
+  complement_.solve_transposed(reduced_load);
+  columns_.add(reduced_load, half_solved_load);
+  return factor_.back_solve(std::move(half_solved_load));
 }
 
-Eigen::VectorXd NetworkSolver::grounded(std::span<const BondStatus> status,
-                                        const Eigen::VectorXd& x) const
+NetworkForces NetworkSolver::grounded(std::span<const BondStatus> status,
+                                      const Eigen::VectorXd& x) const
 {
-  Eigen::VectorXd force = stiffness_times(*network_, status, x);
-  const double ground = relative_ground_stiffness * mean_normal_stiffness(*network_);
+  NetworkForces forces = network_forces(*network_, status, x);
   for (std::size_t i = 0; i < network_->radius.size(); ++i)
     if (const Index dof = network_->first_dof[i];
         dof >= 0 && pieces_.of(Index(i)) == PieceHold::clamped)
-      force.segment<6>(dof) += ground * x.segment<6>(dof);
-  return force;
+      forces.nodal.segment<6>(dof) += ground_stiffness_ * x.segment<6>(dof);
+  return forces;
 }
 
 void NetworkSolver::respond(std::span<const BondStatus> status)
@@ -188,21 +213,23 @@ void NetworkSolver::respond(std::span<const BondStatus> status)
   if (!obstacle_.empty())
     return;
   Eigen::VectorXd x = solved(half_solved_load_, reduced_load_);
+  NetworkForces forces = grounded(status, x);
   const double load = network_->unit_load.norm();
-  const Eigen::VectorXd residual = network_->unit_load - grounded(status, x);
-  if (residual.norm() > residual_tolerance * load) {
+  if (const Eigen::VectorXd residual = network_->unit_load - forces.nodal;
+      residual.norm() > residual_tolerance * load) {
     const Eigen::VectorXd y = factor_.half_solve(residual);
     x += solved(y, reduced(y));
+    forces = grounded(status, x);
     ++statistics_.n_refinements;
   }
   const double work = network_->unit_load.dot(x);
-  const double ground = relative_ground_stiffness * mean_normal_stiffness(*network_);
   double ground_work = 0;
   for (std::size_t i = 0; i < network_->radius.size(); ++i)
     if (const Index dof = network_->first_dof[i];
         dof >= 0 && pieces_.of(Index(i)) == PieceHold::clamped)
-      ground_work += ground * x.segment<6>(dof).squaredNorm();
+      ground_work += ground_stiffness_ * x.segment<6>(dof).squaredNorm();
   ground_energy_share_ = work > 0 ? ground_work / work : 0;
+  bond_forces_ = std::move(forces.bond);
   response_ = std::move(x);
 }
 

@@ -1,4 +1,6 @@
 #pragma once
+#include "dem/bordered_cholesky.h"
+#include "dem/column_panels.h"
 #include "dem/network_matrix.h"
 
 #include <Eigen/Core>
@@ -47,6 +49,9 @@ public:
   const std::optional<Eigen::VectorXd>& response() const { return response_; }
   const std::string& obstacle() const { return obstacle_; }
 
+  /// Forces of all bonds under the unit load, if there is a response.
+  const std::vector<ForcePair>& bond_forces() const { return bond_forces_; }
+
   const Pieces& pieces() const { return pieces_; }
 
   /// Energy of the springs to ground over the energy of the network [-].
@@ -59,25 +64,28 @@ public:
   const Statistics& statistics() const { return statistics_; }
 
 private:
+  bool keeps_pieces(std::span<const BondStatus> before, std::span<const BondStatus> after,
+                    std::span<const BondChange> changes) const;
   void factorise(std::span<const BondStatus> status);
   bool update(std::span<const BondStatus> before, std::span<const BondChange> changes);
+  bool remove(const SupernodalFactor::SparseColumns& lost);
   void respond(std::span<const BondStatus> status);
-  Eigen::VectorXd solved(const Eigen::VectorXd& half_solved_load,
-                         const Eigen::VectorXd& reduced_load) const;
+  Eigen::VectorXd solved(Eigen::VectorXd half_solved_load, Eigen::VectorXd reduced_load) const;
   Eigen::VectorXd reduced(const Eigen::VectorXd& half_solved_load) const;
-  Eigen::VectorXd grounded(std::span<const BondStatus> status, const Eigen::VectorXd& x) const;
+  NetworkForces grounded(std::span<const BondStatus> status, const Eigen::VectorXd& x) const;
 
   const ElasticNetwork* network_;
+  ParticleBonds particle_bonds_;
   SymmetricPattern pattern_;
   SupernodalFactor factor_;
+  double ground_stiffness_;
   Pieces pieces_;
   Eigen::VectorXd half_solved_load_;
-  std::vector<SupernodalFactor::SparseColumns> columns_; // one block per changed bond
-  std::vector<int> first_column_;                        // of each block
-  Eigen::MatrixXd cholesky_;                             // of I - Y^T Y, lower
-  Eigen::VectorXd reduced_load_;                         // cholesky_^-1 Y^T half_solved_load_
-  int n_columns_ = 0;
+  ColumnPanels columns_;         // Y
+  BorderedCholesky complement_;  // of I - Y^T Y
+  Eigen::VectorXd reduced_load_; // complement_^-1 Y^T half_solved_load_
   std::optional<Eigen::VectorXd> response_;
+  std::vector<ForcePair> bond_forces_;
   std::string obstacle_;
   double ground_energy_share_ = 0;
   Statistics statistics_;

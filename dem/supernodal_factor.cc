@@ -1,8 +1,12 @@
 #include "dem/supernodal_factor.h"
 
+#include "dem/factor_strips.h"
+
 #include <cholmod.h>
+#include <omp.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 extern "C" {
@@ -14,13 +18,20 @@ namespace dem {
 
 namespace {
 
-using Block = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-
-/// OpenBLAS on one thread while it lives: with several, sums depend on their number.
-struct OneBlasThread {
-  int before = openblas_get_num_threads();
-  OneBlasThread() { openblas_set_num_threads(1); }
-  ~OneBlasThread() { openblas_set_num_threads(before); }
+/// Everything on one thread while it lives: OpenBLAS, whose sums depend on the number of threads,
+/// and CHOLMOD, which opens parallel regions for loops so short that waking threads takes longer.
+struct OneThread {
+  int blas = openblas_get_num_threads(), levels = omp_get_max_active_levels();
+  OneThread()
+  {
+    openblas_set_num_threads(1);
+    omp_set_max_active_levels(0);
+  }
+  ~OneThread()
+  {
+    openblas_set_num_threads(blas);
+    omp_set_max_active_levels(levels);
+  }
 };
 
 } // namespace
@@ -32,14 +43,15 @@ struct SupernodalFactor::Data {
   std::vector<int> position;     ///< of each unknown in the order of the factor
   std::vector<int> supernode_of; ///< of each column of the factor
   std::vector<int> parent;       ///< of each supernode, -1 at a root
-  mutable Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> work;
+  std::optional<FactorStrips> strips;
+  mutable std::vector<Lanes> work; ///< scratch, zero between calls
 
   explicit Data(const SymmetricPattern& p) : pattern(p)
   {
     cholmod_start(&common);
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_METIS;
+    common.method[0].ordering = CHOLMOD_NESDIS;
     common.postorder = 1;
     common.print = 0;
     common.error_handler = nullptr;
@@ -76,13 +88,10 @@ struct SupernodalFactor::Data {
     const int* start = static_cast<const int*>(factor->pi);
     return {static_cast<const int*>(factor->s) + start[s], std::size_t(start[s + 1] - start[s])};
   }
-  /// Rows of a supernode times its columns: the triangle first, then the rows below.
-  Block block(int s) const
+  /// Its dense block, stored by columns: the triangle first, then the rows below.
+  const double* block(int s) const
   {
-    const auto n_rows = Eigen::Index(rows(s).size());
-    const double* values =
-        static_cast<const double*>(factor->x) + static_cast<const int*>(factor->px)[s];
-    return {values, n_rows, n_columns(s), Eigen::OuterStride<>(n_rows)};
+    return static_cast<const double*>(factor->x) + static_cast<const int*>(factor->px)[s];
   }
 };
 
@@ -90,7 +99,7 @@ SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern)
     : data_(std::make_unique<Data>(pattern))
 {
   Data& d = *data_;
-  const OneBlasThread one_thread;
+  const OneThread one_thread;
   cholmod_sparse a = d.matrix(nullptr);
   d.factor = cholmod_analyze(&a, &d.common);
   if (!d.factor)
@@ -107,6 +116,12 @@ SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern)
   for (int s = 0; s < d.n_supernodes(); ++s)
     if (const auto rows = d.rows(s); int(rows.size()) > d.n_columns(s))
       d.parent[s] = d.supernode_of[rows[d.n_columns(s)]];
+  std::vector<int> n_columns, n_rows;
+  for (int s = 0; s < d.n_supernodes(); ++s) {
+    n_columns.push_back(d.n_columns(s));
+    n_rows.push_back(int(d.rows(s).size()));
+  }
+  d.strips.emplace(std::move(n_columns), std::move(n_rows));
 }
 
 SupernodalFactor::~SupernodalFactor() = default;
@@ -115,12 +130,16 @@ SupernodalFactor& SupernodalFactor::operator=(SupernodalFactor&&) noexcept = def
 
 bool SupernodalFactor::factorise(std::span<const double> values)
 {
-  const OneBlasThread one_thread;
+  const OneThread one_thread;
   cholmod_sparse a = data_->matrix(values.data());
   cholmod_factorize(&a, data_->factor, &data_->common);
   if (data_->common.status == CHOLMOD_OUT_OF_MEMORY)
     throw std::runtime_error("the factorisation failed: not enough memory");
-  return data_->common.status == CHOLMOD_OK;
+  if (data_->common.status != CHOLMOD_OK)
+    return false;
+  for (int s = 0; s < data_->n_supernodes(); ++s)
+    data_->strips->store(s, data_->block(s));
+  return true;
 }
 
 SupernodalFactor::SparseColumns
@@ -129,40 +148,31 @@ SupernodalFactor::half_solve(std::span<const Index> rows,
 {
   const Data& d = *data_;
   SparseColumns result;
+  result.n_columns = int(entries.cols());
   for (const Index row : rows)
     for (int s = d.supernode_of[d.position[row]]; s >= 0; s = d.parent[s])
       result.supernode.push_back(s);
   std::ranges::sort(result.supernode);
   result.supernode.erase(std::unique(result.supernode.begin(), result.supernode.end()),
                          result.supernode.end());
-
-  const Eigen::Index k = entries.cols();
-  auto& work = d.work;
-  if (work.cols() != k)
-    work.setZero(d.pattern.size(), k);
+  std::vector<Lanes>& work = d.work;
+  work.resize(std::size_t(d.pattern.size()), no_lanes());
   for (std::size_t r = 0; r < rows.size(); ++r)
-    work.row(d.position[rows[r]]) += entries.row(Eigen::Index(r));
-  int n_rows = 0;
-  Eigen::MatrixXd top, below;
+    for (Eigen::Index c = 0; c < entries.cols(); ++c)
+      work[d.position[rows[r]]][c] += entries(Eigen::Index(r), c);
+  std::vector<Lanes> front;
   for (const int s : result.supernode) {
-    const int n = d.n_columns(s);
-    const Block block = d.block(s);
-    top = work.middleRows(d.first_column(s), n);
-    block.topRows(n).triangularView<Eigen::Lower>().solveInPlace(top);
-    work.middleRows(d.first_column(s), n) = top;
-    below.noalias() = block.bottomRows(block.rows() - n) * top;
-    const std::span<const int> row = d.rows(s).subspan(n);
+    const std::span<const int> row = d.rows(s);
+    front.assign(row.size() + FactorStrips::padding, no_lanes());
     for (std::size_t r = 0; r < row.size(); ++r)
-      work.row(row[r]) -= below.row(Eigen::Index(r));
-    result.first_row.push_back(n_rows);
-    n_rows += n;
-  }
-  result.values.resize(n_rows, k);
-  for (std::size_t p = 0; p < result.supernode.size(); ++p) {
-    const int s = result.supernode[p];
-    auto part = work.middleRows(d.first_column(s), d.n_columns(s));
-    result.values.middleRows(result.first_row[p], d.n_columns(s)) = part;
-    part.setZero();
+      front[r] = work[row[r]];
+    d.strips->eliminate(s, front.data());
+    const int n = d.n_columns(s);
+    result.first_row.push_back(int(result.row.size()));
+    result.row.insert(result.row.end(), front.begin(), front.begin() + n);
+    std::fill_n(work.begin() + d.first_column(s), n, no_lanes());
+    for (std::size_t r = std::size_t(n); r < row.size(); ++r)
+      work[row[r]] = front[r];
   }
   return result;
 }
@@ -173,16 +183,15 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
   Eigen::VectorXd y(b.size());
   for (Eigen::Index i = 0; i < b.size(); ++i)
     y[d.position[i]] = b[i];
-  Eigen::VectorXd below;
+  std::vector<double> front;
   for (int s = 0; s < d.n_supernodes(); ++s) {
-    const int n = d.n_columns(s);
-    const Block block = d.block(s);
-    auto top = y.segment(d.first_column(s), n);
-    block.topRows(n).triangularView<Eigen::Lower>().solveInPlace(top);
-    below.noalias() = block.bottomRows(block.rows() - n) * top;
-    const std::span<const int> row = d.rows(s).subspan(n);
+    const std::span<const int> row = d.rows(s);
+    front.assign(row.size() + FactorStrips::padding, 0.0);
     for (std::size_t r = 0; r < row.size(); ++r)
-      y[row[r]] -= below[Eigen::Index(r)];
+      front[r] = y[row[r]];
+    d.strips->eliminate(s, front.data());
+    for (std::size_t r = 0; r < row.size(); ++r)
+      y[row[r]] = front[r];
   }
   return y;
 }
@@ -190,17 +199,15 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
 Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
 {
   const Data& d = *data_;
-  Eigen::VectorXd below;
+  std::vector<double> front;
   for (int s = d.n_supernodes() - 1; s >= 0; --s) {
-    const int n = d.n_columns(s);
-    const Block block = d.block(s);
-    const std::span<const int> row = d.rows(s).subspan(n);
-    below.resize(Eigen::Index(row.size()));
+    const std::span<const int> row = d.rows(s);
+    front.resize(row.size() + FactorStrips::padding);
     for (std::size_t r = 0; r < row.size(); ++r)
-      below[Eigen::Index(r)] = y[row[r]];
-    auto top = y.segment(d.first_column(s), n);
-    top.noalias() -= block.bottomRows(block.rows() - n).transpose() * below;
-    block.topRows(n).triangularView<Eigen::Lower>().transpose().solveInPlace(top);
+      front[r] = y[row[r]];
+    std::fill(front.begin() + std::ptrdiff_t(row.size()), front.end(), 0.0);
+    d.strips->substitute(s, front.data());
+    std::copy_n(front.begin(), d.n_columns(s), y.data() + d.first_column(s));
   }
   Eigen::VectorXd x(y.size());
   for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -208,41 +215,9 @@ Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
   return x;
 }
 
-Eigen::MatrixXd SupernodalFactor::gram(const SparseColumns& a, const SparseColumns& b) const
+std::span<const int> SupernodalFactor::supernode_starts() const
 {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(a.values.cols(), b.values.cols());
-  for (std::size_t i = 0, j = 0; i < a.supernode.size() && j < b.supernode.size();) {
-    if (a.supernode[i] < b.supernode[j])
-      ++i;
-    else if (a.supernode[i] > b.supernode[j])
-      ++j;
-    else {
-      const int n = data_->n_columns(a.supernode[i]);
-      result.noalias() += a.values.middleRows(a.first_row[i++], n).transpose() *
-                          b.values.middleRows(b.first_row[j++], n);
-    }
-  }
-  return result;
-}
-
-Eigen::VectorXd SupernodalFactor::gram(const SparseColumns& a, const Eigen::VectorXd& y) const
-{
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(a.values.cols());
-  for (std::size_t p = 0; p < a.supernode.size(); ++p) {
-    const int s = a.supernode[p], n = data_->n_columns(s);
-    result.noalias() +=
-        a.values.middleRows(a.first_row[p], n).transpose() * y.segment(data_->first_column(s), n);
-  }
-  return result;
-}
-
-void SupernodalFactor::add(const SparseColumns& a, const Eigen::Ref<const Eigen::VectorXd>& c,
-                           Eigen::VectorXd& y) const
-{
-  for (std::size_t p = 0; p < a.supernode.size(); ++p) {
-    const int s = a.supernode[p], n = data_->n_columns(s);
-    y.segment(data_->first_column(s), n).noalias() += a.values.middleRows(a.first_row[p], n) * c;
-  }
+  return {data_->super(), std::size_t(data_->n_supernodes()) + 1};
 }
 
 long SupernodalFactor::n_nonzeros() const

@@ -1,4 +1,5 @@
 #pragma once
+#include "dem/lanes.h"
 #include "dem/types.h"
 
 #include <Eigen/Core>
@@ -36,11 +37,12 @@ public:
   /// \return false if the matrix is not positive definite
   bool factorise(std::span<const double> values);
 
-  /// Half-solved columns, stored on the supernodes where they are not zero.
+  /// Up to eight half-solved columns, one per lane, on the supernodes where they are not zero.
   struct SparseColumns {
+    int n_columns = 0;
     std::vector<int> supernode; ///< in increasing order
-    std::vector<int> first_row; ///< of each supernode in `values`
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
+    std::vector<int> first_row; ///< of each supernode in `row`
+    std::vector<Lanes> row;
   };
 
   /// L^-1 P B for a matrix B with non-zero rows `rows` only; `entries` holds those rows.
@@ -50,18 +52,11 @@ public:
   /// L^-1 P b.
   Eigen::VectorXd half_solve(const Eigen::VectorXd& b) const;
 
-  /// P^T L^-T y.
+  /// P^T L^-T y. Reads the factor once: bound by memory.
   Eigen::VectorXd back_solve(Eigen::VectorXd y) const;
 
-  /// A^T B of half-solved columns.
-  Eigen::MatrixXd gram(const SparseColumns& a, const SparseColumns& b) const;
-
-  /// A^T y of half-solved columns and a full half-solved vector.
-  Eigen::VectorXd gram(const SparseColumns& a, const Eigen::VectorXd& y) const;
-
-  /// y += A c.
-  void add(const SparseColumns& a, const Eigen::Ref<const Eigen::VectorXd>& c,
-           Eigen::VectorXd& y) const;
+  /// First column of each supernode, and the number of columns at the end.
+  std::span<const int> supernode_starts() const;
 
   long n_nonzeros() const; ///< of L
 

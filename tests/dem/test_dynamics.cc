@@ -192,6 +192,20 @@ TEST(DynamicBonds, SwappedEndsFeelTheSame)
   }
 }
 
+TEST(DynamicBonds, StiffnessesMayDifferFromThoseOfTheSection)
+{
+  Pair pair(make_creep_law(1e6, std::nullopt, {}));
+  const ModeStiffness stiffness{1e6, 5e5, 2, 4}; // no section has half the torsion at N/S = 2
+  set_stiffness(pair.bonds, 0, stiffness);
+  const double angle = 1e-6;
+  pair.place(Vec3::Zero(), Vec3(2e-3, 0, 0), Vec3::Zero(), Vec3(0.5 * angle, 0, 0));
+  EXPECT_NEAR(pair.step().moment.x(), stiffness.torsion * angle, 1e-12 * angle);
+  pair.place(Vec3::Zero(), Vec3(2e-3 + 1e-9, 0, 0));
+  const GlobalLoad stretched = pair.step();
+  EXPECT_NEAR(stretched.force.x(), stiffness.normal * 1e-9, 1e-9 * stiffness.normal * 1e-9);
+  EXPECT_NEAR(stretched.moment.x(), stiffness.torsion * angle, 1e-12 * angle);
+}
+
 TEST(CriticalStep, IsThatOfTheCrystals)
 {
   const double k = 1e6, d = 4e-3, density = 2600;
@@ -234,7 +248,8 @@ TEST(CriticalStep, PowerIterationIsCloseToTheEigenvalueOfARandomNetwork)
       for (int k = 0; k < 6; ++k)
         root[dof + k] = 1 / std::sqrt(2600 * sphere_volume(network.radius[i]) * (k < 3 ? 1 : 0.4));
   for (Index c = 0; c < n; ++c)
-    matrix.col(c) = stiffness_times(network, intact, Eigen::VectorXd::Unit(n + 1, c)).head(n);
+    matrix.col(c) =
+        network_forces(network, intact, Eigen::VectorXd::Unit(n + 1, c)).nodal.head(n);
   matrix = root.asDiagonal() * matrix * root.asDiagonal();
   const double exact =
       std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().maxCoeff());

@@ -1,0 +1,52 @@
+#pragma once
+#include "dem/lanes.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace dem {
+
+/// The supernodes of a Cholesky factor L, in the layout that triangular solves read fastest.
+///
+/// Four neighbouring columns of a supernode make a strip: their triangle (reciprocal diagonal), then
+/// the rows after it, eight at a time. Strips lie in the order in which a back-solve needs them, in
+/// huge pages where the system has them, so that it is one stream through memory.
+///
+/// A "front" is a vector over the rows of one supernode, its own columns first, followed by
+/// `padding` entries that are zero.
+class FactorStrips {
+public:
+  static constexpr int padding = n_lanes;
+
+  /// \param n_columns  of each supernode; \param n_rows  of each, own columns included
+  FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows);
+
+  /// Copies a supernode from a dense block stored by columns.
+  void store(int supernode, const double* block);
+
+  /// Solves for the supernode's own rows and takes what they contribute off the rows after them.
+  void eliminate(int supernode, double* front) const;
+  void eliminate(int supernode, Lanes* front) const; ///< eight right-hand sides
+
+  /// Solves for the supernode's own rows with the transposed factor, the rows after being known.
+  void substitute(int supernode, double* front) const;
+
+private:
+  struct Free {
+    void operator()(double* p) const;
+  };
+
+  const double* strip(int supernode, int k) const
+  {
+    return values_.get() + offset_[first_[supernode] + k];
+  }
+  int n_strips(int supernode) const { return int(first_[supernode + 1] - first_[supernode]); }
+
+  std::vector<int> n_columns_, n_rows_;
+  std::vector<std::size_t> first_;  ///< strip of each supernode, and their number
+  std::vector<std::size_t> offset_; ///< of each strip in `values_`
+  std::unique_ptr<double[], Free> values_;
+};
+
+} // namespace dem
