@@ -16,8 +16,7 @@ BondRatios bond_ratios(std::span<const BondStatus> status, const Strengths& stre
                        std::vector<ForcePair> force)
 {
   const std::size_t n = force.size();
-  BondRatios result{
-      std::move(force), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), {}};
+  BondRatios result{std::move(force), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), {}};
   double largest = 0;
   for (const auto& [normal, shear] : result.force)
     largest = std::max({largest, std::abs(normal), shear});

@@ -136,8 +136,8 @@ double platen_velocity(const DynamicModel& model, DynamicState& state)
   if (model.loading.true_stress)
     prescribed /= 1 + state.displacement / model.assembly.gauge_length;
   const double force = 0.5 * (state.force_on_upper + state.force_on_lower);
-  const double correction = model.settings.servo_gain * (prescribed - force) /
-                            (model.platen_stiffness * model.time_step);
+  const double correction =
+      model.settings.servo_gain * (prescribed - force) / (model.platen_stiffness * model.time_step);
   state.servo_velocity += servo_memory * correction;
   return correction + state.servo_velocity;
 }

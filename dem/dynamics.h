@@ -65,7 +65,7 @@ struct DynamicState {
   std::vector<double> initial_distance; ///< of the ends of each bond [m]
   AlignedDoubles forces;                ///< force_stride numbers per slot, at the present positions
   double displacement = 0;              ///< of the upper platen relative to the lower [m]
-  double servo_velocity = 0;      ///< integral part of the servo [m/s]
+  double servo_velocity = 0;            ///< integral part of the servo [m/s]
   double force_on_upper = 0, force_on_lower = 0; ///< by the platens, tension positive [N]
   std::vector<double> samples; ///< of the displacement, every `steps_per_sample` steps
   double strength_factor = std::numeric_limits<double>::infinity();

@@ -9,9 +9,9 @@ namespace dem {
 
 /// The supernodes of a Cholesky factor L, in the layout that triangular solves read fastest.
 ///
-/// Four neighbouring columns of a supernode make a strip: their triangle (reciprocal diagonal), then
-/// the rows after it, eight at a time. Strips lie in the order in which a back-solve needs them, in
-/// huge pages where the system has them, so that it is one stream through memory.
+/// Four neighbouring columns of a supernode make a strip: their triangle (reciprocal diagonal),
+/// then the rows after it, eight at a time. Strips lie in the order in which a back-solve needs
+/// them, in huge pages where the system has them, so that it is one stream through memory.
 ///
 /// A "front" is a vector over the rows of one supernode, its own columns first, followed by
 /// `padding` entries that are zero.

@@ -79,8 +79,8 @@ bool write_array(hid_t file, const std::string& name, std::span<const T> values,
   const Handle set(H5Dcreate2(file, name.c_str(), memory_type<T>(), space.id, links.id,
                               properties.id, H5P_DEFAULT),
                    H5Dclose);
-  return set && (values.empty() || H5Dwrite(set.id, memory_type<T>(), H5S_ALL, H5S_ALL,
-                                            H5P_DEFAULT, values.data()) >= 0);
+  return set && (values.empty() || H5Dwrite(set.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                            values.data()) >= 0);
 }
 
 /// \return false on failure
@@ -93,8 +93,8 @@ bool read_array(hid_t file, const std::string& name, std::vector<T>& values)
     return false;
   const Handle space(H5Dget_space(set.id), H5Sclose);
   values.resize(std::size_t(H5Sget_simple_extent_npoints(space.id)));
-  return values.empty() || H5Dread(set.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                                   values.data()) >= 0;
+  return values.empty() ||
+         H5Dread(set.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
 }
 
 void sync_to_disk(const std::filesystem::path& path)
@@ -140,8 +140,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path)
   const Quiet quiet;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.id, H5F_LIBVER_V18, H5F_LIBVER_LATEST); // checksummed metadata
-  const hid_t id =
-      H5Fcreate(temporary_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id);
+  const hid_t id = H5Fcreate(temporary_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id);
   Hdf5File file(id, path, true);
   if (id < 0)
     file.fail("the file cannot be written; is there room, and may you write there?", "");
@@ -272,9 +271,9 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
   const Quiet quiet;
   const Handle target(H5Oopen(id_, object.empty() ? "/" : object.c_str(), H5P_DEFAULT), H5Oclose);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(target.id, name.c_str(), H5T_NATIVE_DOUBLE, space.id,
-                                    H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
+  const Handle attribute(
+      H5Acreate2(target.id, name.c_str(), H5T_NATIVE_DOUBLE, space.id, H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
   if (!attribute || H5Awrite(attribute.id, H5T_NATIVE_DOUBLE, &value) < 0)
     fail("cannot write attribute", object + "/" + name);
 }

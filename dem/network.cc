@@ -33,6 +33,14 @@ ElasticNetwork::Bond network_bond(const Assembly& assembly, std::size_t b)
           mode_stiffness(assembly.laws[assembly.bonds.law[b]], assembly.bonds.section_radius[b])};
 }
 
+BondDeformation relative_motion(const ElasticNetwork::Bond& bond, const ParticleMotion& a,
+                                const ParticleMotion& b)
+{
+  return {b.displacement + b.rotation.cross(bond.arm_b) -
+              (a.displacement + a.rotation.cross(bond.arm_a)),
+          b.rotation - a.rotation};
+}
+
 } // namespace
 
 ElasticNetwork make_network(const Assembly& assembly)
@@ -71,11 +79,8 @@ ParticleMotion motion(const ElasticNetwork& network, const Eigen::VectorXd& dofs
 BondDeformation deformation(const ElasticNetwork& network, const ElasticNetwork::Bond& bond,
                             const Eigen::VectorXd& dofs)
 {
-  const ParticleMotion a = motion(network, dofs, bond.ends[0]);
-  const ParticleMotion b = motion(network, dofs, bond.ends[1]);
-  return {b.displacement + b.rotation.cross(bond.arm_b) -
-              (a.displacement + a.rotation.cross(bond.arm_a)),
-          b.rotation - a.rotation};
+  return relative_motion(bond, motion(network, dofs, bond.ends[0]),
+                         motion(network, dofs, bond.ends[1]));
 }
 
 BondLoad bond_load(const ElasticNetwork::Bond& bond, BondStatus status,
@@ -107,24 +112,34 @@ ForcePair bond_force(const ElasticNetwork::Bond& bond, BondStatus status,
 NetworkForces network_forces(const ElasticNetwork& network, std::span<const BondStatus> status,
                              const Eigen::VectorXd& dofs)
 {
+  const std::size_t n = network.radius.size();
+  std::vector<ParticleMotion> moved(n);
+  std::vector<BondLoad> held(n, {Vec3::Zero(), Vec3::Zero()}); // at the centre of each particle
+  for (std::size_t i = 0; i < n; ++i)
+    moved[i] = motion(network, dofs, Index(i));
   NetworkForces result{std::vector<ForcePair>(network.bonds.size(), {0, 0}),
                        Eigen::VectorXd::Zero(network.n_dofs)};
-  const auto add = [&](Index particle, const Vec3& force, const Vec3& moment) {
-    if (const Index dof = network.first_dof[particle]; dof >= 0) {
-      result.nodal.segment<3>(dof) += force;
-      result.nodal.segment<3>(dof + 3) += moment / network.radius[particle];
-    } else if (network.support[particle] == Support::top && network.platen_dof >= 0)
-      result.nodal[network.platen_dof] += force.z();
-  };
   for (std::size_t b = 0; b < network.bonds.size(); ++b) {
     if (status[b] == BondStatus::gone)
       continue;
     const ElasticNetwork::Bond& bond = network.bonds[b];
-    const BondDeformation strained = deformation(network, bond, dofs);
+    const BondDeformation strained =
+        relative_motion(bond, moved[bond.ends[0]], moved[bond.ends[1]]);
     const BondLoad load = bond_load(bond, status[b], strained);
     result.bond[b] = bond_force(bond, status[b], strained);
-    add(bond.ends[0], -load.force, -load.moment - bond.arm_a.cross(load.force));
-    add(bond.ends[1], load.force, load.moment + bond.arm_b.cross(load.force));
+    BondLoad& first = held[bond.ends[0]];
+    BondLoad& second = held[bond.ends[1]];
+    first.force -= load.force;
+    first.moment -= load.moment + bond.arm_a.cross(load.force);
+    second.force += load.force;
+    second.moment += load.moment + bond.arm_b.cross(load.force);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (const Index dof = network.first_dof[i]; dof >= 0) {
+      result.nodal.segment<3>(dof) = held[i].force;
+      result.nodal.segment<3>(dof + 3) = held[i].moment / network.radius[i];
+    } else if (network.support[i] == Support::top && network.platen_dof >= 0)
+      result.nodal[network.platen_dof] += held[i].force.z();
   }
   return result;
 }

@@ -57,8 +57,8 @@ std::vector<BondStatus> statuses(const std::vector<std::uint8_t>& stored)
 std::vector<double> segment_row(const LoadSegment& segment)
 {
   if (const auto* f = std::get_if<ForceSegment>(&segment)) {
-    std::vector<double> row{f->start, f->load, f->load_rate, f->compliance, f->jumps,
-                            f->state.elastic, f->state.viscous};
+    std::vector<double> row{f->start, f->load,          f->load_rate,    f->compliance,
+                            f->jumps, f->state.elastic, f->state.viscous};
     row.insert(row.end(), f->state.kelvin.begin(), f->state.kelvin.end());
     return row;
   }
@@ -71,8 +71,8 @@ std::vector<double> segment_row(const LoadSegment& segment)
 LoadSegment segment_from(std::span<const double> row, bool by_force)
 {
   if (by_force)
-    return ForceSegment{row[0], row[1], row[2], row[3],
-                        {row[5], row[6], {row.begin() + 7, row.end()}}, row[4]};
+    return ForceSegment{
+        row[0], row[1], row[2], row[3], {row[5], row[6], {row.begin() + 7, row.end()}}, row[4]};
   return DisplacementSegment{row[0], row[1], row[2], {row.begin() + 5, row.end()}, row[3], row[4]};
 }
 
@@ -97,7 +97,8 @@ void write_damage(Hdf5File& file, const std::string& group, const Damage& damage
 Damage read_damage(const Hdf5File& file, const std::string& group)
 {
   Damage damage{statuses(file.read_bytes(group + "/status")),
-                statuses(file.read_bytes(group + "/factorised")), {}};
+                statuses(file.read_bytes(group + "/factorised")),
+                {}};
   const auto first = file.read_integers(group + "/update_first");
   const auto bond = file.read_integers(group + "/update_bond");
   const auto status = file.read_bytes(group + "/update_status");
@@ -132,7 +133,8 @@ void write_particles(Hdf5File& file, const std::string& group, const Particles& 
 Particles read_particles(const Hdf5File& file, const std::string& group)
 {
   Particles particles{vectors(file.read_doubles(group + "/centre")),
-                      file.read_doubles(group + "/radius"), {},
+                      file.read_doubles(group + "/radius"),
+                      {},
                       file.number_attribute(group, "density_kg_per_m3")};
   particles.material_class =
       column<int>(file.read_integers(group + "/material_class"), [](std::int32_t c) { return c; });
@@ -189,8 +191,8 @@ std::vector<Breakage> read_breakages(const Hdf5File& file, const std::string& gr
   const auto pass = file.read_integers(group + "/pass");
   std::vector<Breakage> breakages;
   for (std::size_t k = 0; k < time.size(); ++k)
-    breakages.push_back({time[k], bond[k], BreakMode(mode[k]), normal[k], shear[k], factor[k],
-                         strain[k], pass[k]});
+    breakages.push_back(
+        {time[k], bond[k], BreakMode(mode[k]), normal[k], shear[k], factor[k], strain[k], pass[k]});
   return breakages;
 }
 
@@ -228,7 +230,8 @@ EventsState read_events_state(const Hdf5File& file, const std::string& group,
   const auto columns = std::size_t(file.number_attribute(group, "segment_columns"));
   const bool by_force = file.number_attribute(group, "by_force") != 0;
   for (std::size_t k = 0; k + columns <= numbers.size(); k += columns)
-    state.history.segments.push_back(segment_from(std::span(numbers).subspan(k, columns), by_force));
+    state.history.segments.push_back(
+        segment_from(std::span(numbers).subspan(k, columns), by_force));
   state.segment_end = file.number_attribute(group, "segment_end");
   state.damage = read_damage(file, group + "/damage");
   require_size(state.damage.status.size(), model.network.bonds.size(), "bonds");
@@ -312,9 +315,16 @@ DynamicState read_dynamic_state(const Hdf5File& file, const std::string& group,
     const std::int32_t* n = numbers.data() + 5 * k;
     const double* g = geometry.data() + 8 * k;
     const double* m = modes.data() + 3 * n_modes * k;
-    state.contacts.contacts.push_back({n[0], n[1], n[2], n[3], g[0], g[1],
+    state.contacts.contacts.push_back({n[0],
+                                       n[1],
+                                       n[2],
+                                       n[3],
+                                       g[0],
+                                       g[1],
                                        {Vec3(g[2], g[3], g[4]), Vec3(g[5], g[6], g[7])},
-                                       n[4] != 0, {m, m + n_modes}, {m + n_modes, m + 2 * n_modes},
+                                       n[4] != 0,
+                                       {m, m + n_modes},
+                                       {m + n_modes, m + 2 * n_modes},
                                        {m + 2 * n_modes, m + 3 * n_modes}});
   }
   state.contacts.reference = vectors(file.read_doubles(group + "/contact_reference"));

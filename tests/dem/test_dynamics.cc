@@ -248,8 +248,7 @@ TEST(CriticalStep, PowerIterationIsCloseToTheEigenvalueOfARandomNetwork)
       for (int k = 0; k < 6; ++k)
         root[dof + k] = 1 / std::sqrt(2600 * sphere_volume(network.radius[i]) * (k < 3 ? 1 : 0.4));
   for (Index c = 0; c < n; ++c)
-    matrix.col(c) =
-        network_forces(network, intact, Eigen::VectorXd::Unit(n + 1, c)).nodal.head(n);
+    matrix.col(c) = network_forces(network, intact, Eigen::VectorXd::Unit(n + 1, c)).nodal.head(n);
   matrix = root.asDiagonal() * matrix * root.asDiagonal();
   const double exact =
       std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().maxCoeff());

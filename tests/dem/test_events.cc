@@ -312,8 +312,7 @@ TEST(Events, ShearBrokenPressedContactsCarryOnUntilTheyArePulled)
     stiffness[pressed] = 1 / last.compliance;
     for (std::size_t b = 0; b < state.damage.status.size(); ++b)
       if (state.damage.status[b] == BondStatus::pressed) {
-        EXPECT_LE(last.force * solver.network_solver().bond_forces()[b].normal,
-                  1e-8 * 300);
+        EXPECT_LE(last.force * solver.network_solver().bond_forces()[b].normal, 1e-8 * 300);
       }
   }
   EXPECT_LE(broken[true], broken[false]);
