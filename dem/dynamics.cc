@@ -1,15 +1,13 @@
 #include "dem/dynamics.h"
 
-#include "dem/critical_step.h"
-#include "dem/network_solver.h"
+#include "dem/thread_team.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <exception>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -22,66 +20,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double relative_skin = 0.1;
 /// Share of each servo correction that stays as velocity of the platen.
 constexpr double servo_memory = 0.01;
-
-void validate(const DynamicSettings& settings)
-{
-  const auto require = [](bool condition, const char* what, double found) {
-    if (!condition)
-      throw std::invalid_argument(fmt::format("explicit solver: {}, found {:g}", what, found));
-  };
-  require(settings.viscosity_scaling > 0 && std::isfinite(settings.viscosity_scaling),
-          "the viscosity scaling must be > 0", settings.viscosity_scaling);
-  require(settings.step_safety > 0, "the step safety must be > 0", settings.step_safety);
-  require(settings.damping >= 0 && settings.damping < 1, "the damping must lie in [0, 1)",
-          settings.damping);
-  require(settings.friction >= 0, "the friction must be >= 0", settings.friction);
-  require(settings.ramp_periods >= 0, "the ramp must be >= 0", settings.ramp_periods);
-  require(settings.servo_gain > 0 && settings.servo_gain <= 1, "the servo gain must lie in (0, 1]",
-          settings.servo_gain);
-}
-
-/// Particles in layers of height, so that near ones have near slots.
-std::vector<Index> slots_by_height(const Particles& particles)
-{
-  std::vector<Index> order(particles.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](Index i) { return particles.centre[i].z(); });
-  return order;
-}
-
-/// Static stiffness of the specimen between its platens [N/m]; 0 if it has none.
-double axial_stiffness(const ElasticNetwork& network)
-{
-  if (network.platen_dof < 0)
-    return 0;
-  const NetworkSolver solver(network, undamaged(network));
-  return solver.response() ? 1 / (*solver.response())[network.platen_dof] : 0;
-}
-
-double total_mass(const Assembly& assembly)
-{
-  double volume = 0;
-  for (const double r : assembly.particles.radius)
-    volume += sphere_volume(r);
-  return volume * assembly.particles.density;
-}
-
-/// Change of the mean platen force per displacement while the free particles stand still [N/m].
-double stiffness_on_platens(const ElasticNetwork& network)
-{
-  double sum = 0;
-  for (const ElasticNetwork::Bond& bond : network.bonds) {
-    const bool a = network.support[bond.ends[0]] == Support::free;
-    const bool b = network.support[bond.ends[1]] == Support::free;
-    const double squared = bond.normal.z() * bond.normal.z();
-    const double along = bond.stiffness.normal * squared + bond.stiffness.shear * (1 - squared);
-    if (a != b)
-      sum += 0.25 * along; // one platen moves by half the displacement and is half of the mean
-    else if (!a && network.support[bond.ends[0]] != network.support[bond.ends[1]])
-      sum += along;
-  }
-  return sum;
-}
 
 ContactSurroundings surroundings(const DynamicModel& model, const DynamicState& state)
 {
@@ -310,9 +248,32 @@ void move_held(const DynamicModel& model, DynamicState& state, const Scratch& sc
   }
 }
 
-/// What one thread does after each step: nothing, most of the time.
+/// What one thread does before each step.
+void move_platens(const DynamicModel& model, DynamicState& state, const Scratch& scratch)
+{
+  const double velocity = platen_velocity(model, state);
+  move_held(model, state, scratch, velocity);
+  state.displacement += model.time_step * velocity;
+  ++state.n_steps;
+}
+
+void sum_contacts(const DynamicModel& model, DynamicState& state, Scratch& scratch)
+{
+  const double friction =
+      model.settings.after_breakage == AfterBreakage::friction ? model.settings.friction : 0;
+  std::ranges::fill(scratch.on_contacts, 0.0);
+  scratch.contact_upper = scratch.contact_lower = 0;
+  advance_contacts(state.contacts, surroundings(model, state), model.assembly.laws, model.factors,
+                   friction, scratch.on_contacts.data(), scratch.contact_upper,
+                   scratch.contact_lower);
+}
+
+/// What one thread does after each step.
 void keep_books(const DynamicModel& model, DynamicState& state, Scratch& scratch)
 {
+  const PlatenForces on_platens = platen_forces(model, state, scratch);
+  state.force_on_upper = on_platens.upper;
+  state.force_on_lower = on_platens.lower;
   std::vector<Index> broken;
   for (std::vector<Index>& part : scratch.broken) {
     broken.insert(broken.end(), part.begin(), part.end());
@@ -336,65 +297,6 @@ void keep_books(const DynamicModel& model, DynamicState& state, Scratch& scratch
 }
 
 } // namespace
-
-DynamicModel make_dynamic_model(const Assembly& assembly, const Loading& loading,
-                                const RateLaw& rate_law, const DynamicSettings& settings,
-                                double strain_limit, double time_step)
-{
-  validate(assembly);
-  validate(loading);
-  validate(settings);
-  if (!loaded_by_platen(assembly) &&
-      (loading.control == Loading::Control::displacement || loading.true_stress))
-    throw std::invalid_argument("loads on particles have a history of their factor only, no "
-                                "displacement or true stress");
-  DynamicModel model;
-  model.assembly = assembly;
-  model.loading = loading;
-  model.rate_law = rate_law;
-  model.settings = settings;
-  model.strain_limit = strain_limit;
-  model.platens = packing_extent(assembly.particles);
-  const ElasticNetwork network = make_network(assembly);
-  // Where it brakes, local damping multiplies the force by 1 + damping: the step must feel that.
-  model.time_step = time_step > 0 ? time_step
-                                  : settings.step_safety / std::sqrt(1 + settings.damping) *
-                                        critical_time_step(network, assembly.particles.density);
-  if (!(model.time_step < infinity))
-    throw std::invalid_argument("explicit solver: no bond limits the step; give one");
-  const double stiffness = axial_stiffness(network);
-  // clamped at one end, driven at the other: a quarter wave, with the mass spread evenly
-  model.axial_period = stiffness > 0 ? 4 * std::sqrt(total_mass(assembly) / stiffness) : 0;
-  model.ramp_time = settings.ramp_periods * model.axial_period;
-  model.platen_stiffness = std::max(stiffness_on_platens(network), stiffness);
-
-  model.particle = slots_by_height(assembly.particles);
-  model.slot.resize(model.particle.size());
-  for (std::size_t s = 0; s < model.particle.size(); ++s)
-    model.slot[model.particle[s]] = Index(s);
-  for (const BondLaw& law : assembly.laws)
-    model.n_modes = std::max(model.n_modes, int(relaxation_spectrum(law.creep).size()));
-  for (const BondLaw& law : assembly.laws)
-    model.factors.push_back(
-        step_factors(with_viscosities_scaled(law.creep, settings.viscosity_scaling),
-                     model.time_step, model.n_modes));
-  for (const Index i : model.particle) {
-    const double r = assembly.particles.radius[i];
-    const double mass = assembly.particles.density * sphere_volume(r);
-    model.radius.push_back(r);
-    model.inverse_mass.push_back(1 / mass);
-    model.inverse_inertia.push_back(1 / (0.4 * mass * r * r));
-    model.support.push_back(assembly.support[i]);
-    model.material_class.push_back(assembly.particles.material_class[i]);
-  }
-  model.force.assign(model.particle.size(), Vec3::Zero());
-  model.moment = model.force;
-  for (const ParticleLoad& load : assembly.loads) {
-    model.force[model.slot[load.particle]] += load.force;
-    model.moment[model.slot[load.particle]] += load.moment;
-  }
-  return model;
-}
 
 DynamicState start(const DynamicModel& model)
 {
@@ -432,54 +334,45 @@ DynamicState advance(const DynamicModel& model, DynamicState state, long n_steps
   const auto n_chunks = Index(state.bonds.chunks.size());
   Scratch scratch = make_scratch(model, state, n_threads);
   std::exception_ptr failure;
-  const double friction =
-      model.settings.after_breakage == AfterBreakage::friction ? model.settings.friction : 0;
-#pragma omp parallel num_threads(n_threads)
-  for (long k = 0; k < n_steps; ++k) {
-    if (state.end != RunEnd::running || failure)
-      break;
-#pragma omp single
-    {
-      const double velocity = platen_velocity(model, state);
-      move_held(model, state, scratch, velocity);
-      state.displacement += model.time_step * velocity;
-      ++state.n_steps;
-    }
-    const double load =
-        loaded_by_platen(model.assembly) ? 0.0 : smoothed_load(model, state.n_steps - 1);
-#pragma omp for schedule(static)
-    for (Index s = 0; s < n; ++s)
-      if (model.support[s] == Support::free)
-        move_particle(model, state, s, load);
-#pragma omp for schedule(dynamic, 1)
-    for (Index c = -1; c < n_chunks; ++c) {
-      if (c >= 0) {
-        advance_chunk(state.bonds, state.bonds.chunks[c], state.motions.data(), model.factors,
-                      state.strength_factor, scratch.partial.data(),
-                      scratch.broken[omp_get_thread_num()]);
-        continue;
+  bool go_on = true;
+  std::atomic<Index> next_chunk{0};
+  MeetingPoint meeting(n_threads);
+  run_on_threads(n_threads, [&](int thread) {
+    const auto [begin, end] = share_of(n, thread, n_threads);
+    for (long k = 0;; ++k) {
+      if (thread == 0) {
+        go_on = k < n_steps && state.end == RunEnd::running && !failure;
+        next_chunk = -1; // stands for the contacts
+        if (go_on)
+          move_platens(model, state, scratch);
       }
-      std::ranges::fill(scratch.on_contacts, 0.0);
-      scratch.contact_upper = scratch.contact_lower = 0;
-      advance_contacts(state.contacts, surroundings(model, state), model.assembly.laws,
-                       model.factors, friction, scratch.on_contacts.data(), scratch.contact_upper,
-                       scratch.contact_lower);
+      meeting.wait();
+      if (!go_on)
+        return;
+      const double load =
+          loaded_by_platen(model.assembly) ? 0.0 : smoothed_load(model, state.n_steps - 1);
+      for (Index s = begin; s < end; ++s)
+        if (model.support[s] == Support::free)
+          move_particle(model, state, s, load);
+      meeting.wait();
+      for (Index c; (c = next_chunk++) < n_chunks;)
+        if (c < 0)
+          sum_contacts(model, state, scratch);
+        else
+          advance_chunk(state.bonds, state.bonds.chunks[c], state.motions.data(), model.factors,
+                        state.strength_factor, scratch.partial.data(), scratch.broken[thread]);
+      meeting.wait();
+      for (Index s = begin; s < end; ++s)
+        gather(scratch, state, s);
+      meeting.wait();
+      if (thread == 0)
+        try {
+          keep_books(model, state, scratch);
+        } catch (...) {
+          failure = std::current_exception();
+        }
     }
-#pragma omp for schedule(static)
-    for (Index s = 0; s < n; ++s)
-      gather(scratch, state, s);
-#pragma omp single
-    {
-      const PlatenForces on_platens = platen_forces(model, state, scratch);
-      state.force_on_upper = on_platens.upper;
-      state.force_on_lower = on_platens.lower;
-      try {
-        keep_books(model, state, scratch);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-    }
-  }
+  });
   if (failure)
     std::rethrow_exception(failure);
   return state;
