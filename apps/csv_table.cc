@@ -30,34 +30,52 @@ CsvTable::CsvTable(const std::filesystem::path& file, const Units& units)
       continue;
     const std::vector<std::string> cells = split(line, ',');
     if (columns_.empty()) {
-      for (const std::string& cell : cells) {
-        Column column{cell, ""};
-        std::size_t cut = cell.find('[');
-        if (cut != std::string::npos)
-          column = {trimmed(cell.substr(0, cut)), trimmed(cell.substr(cut + 1, cell.find(']') - cut - 1))};
-        else {
-          cut = cell.find('_');
-          for (const std::string name : compound_names)
-            if (cell.starts_with(name))
-              cut = cell.size() > name.size() ? name.size() : std::string::npos;
-          if (cut != std::string::npos) {
-            column = {cell.substr(0, cut), cell.substr(cut + 1)};
-            std::ranges::replace(column.unit, '_', ' ');
-          }
-        }
-        columns_.push_back(column);
-      }
+      read_header(cells);
       continue;
     }
     if (cells.size() != columns_.size())
-      throw std::runtime_error(fmt::format("{}:{}: the row has {} cells, the header {} columns",
-                                           file.string(), number, cells.size(), columns_.size()));
+      throw std::invalid_argument(fmt::format("{}:{}: the row has {} cells, the header {} columns",
+                                              file.string(), number, cells.size(),
+                                              columns_.size()));
     rows_.push_back(cells);
     lines_.push_back(number);
   }
   if (columns_.empty())
-    throw std::runtime_error(fmt::format("{}: the file is empty; the first line names the columns",
-                                         file.string()));
+    throw std::invalid_argument(fmt::format("{}: the file is empty; the first line names the "
+                                            "columns",
+                                            file.string()));
+}
+
+void CsvTable::read_header(const std::vector<std::string>& cells)
+{
+  for (const std::string& cell : cells) {
+    if (cell.find(';') != std::string::npos)
+      throw std::invalid_argument(
+          fmt::format("{}: '{}': columns are separated by commas", file_.string(), cell));
+    const Column column = column_of(cell);
+    if (find(column.name))
+      throw std::invalid_argument(
+          fmt::format("{}: there are two columns '{}'", file_.string(), column.name));
+    columns_.push_back(column);
+  }
+}
+
+/// "x_mm" and "x [mm]" are the column x in mm.
+CsvTable::Column CsvTable::column_of(const std::string& cell)
+{
+  std::size_t cut = cell.find('[');
+  if (cut != std::string::npos)
+    return {trimmed(cell.substr(0, cut)),
+            trimmed(cell.substr(cut + 1, cell.find(']') - cut - 1))};
+  cut = cell.find('_');
+  for (const std::string name : compound_names)
+    if (cell.starts_with(name))
+      cut = cell.size() > name.size() ? name.size() : std::string::npos;
+  if (cut == std::string::npos)
+    return {cell, ""};
+  std::string unit = cell.substr(cut + 1);
+  std::ranges::replace(unit, '_', ' ');
+  return {cell.substr(0, cut), unit};
 }
 
 std::optional<std::size_t> CsvTable::find(const std::string& name) const
@@ -70,13 +88,16 @@ std::optional<std::size_t> CsvTable::find(const std::string& name) const
 
 void CsvTable::allow_only(const std::vector<std::string>& names) const
 {
+  std::string all;
+  for (const std::string& name : names)
+    all += (all.empty() ? "" : ", ") + name;
   for (const Column& column : columns_) {
     if (std::ranges::find(names, column.name) != names.end())
       continue;
     const std::string close = nearest(column.name, names);
-    throw std::runtime_error(fmt::format("{}: unknown column '{}'{}", file_.string(), column.name,
-                                         close.empty() ? ""
-                                                       : fmt::format("; did you mean '{}'?", close)));
+    throw std::invalid_argument(
+        fmt::format("{}: unknown column '{}'{}; columns are: {}", file_.string(), column.name,
+                    close.empty() ? "" : fmt::format("; did you mean '{}'?", close), all));
   }
 }
 
@@ -85,27 +106,39 @@ std::string CsvTable::place(std::size_t row) const
   return fmt::format("{}:{}", file_.string(), lines_[row]);
 }
 
+const CsvTable::Column& CsvTable::column(const std::string& name, const std::string& si_unit) const
+{
+  std::string example = name + "_" + si_unit;
+  std::ranges::replace(example, ' ', '_');
+  const auto found = find(name);
+  if (!found)
+    throw std::invalid_argument(fmt::format(
+        "{}: there is no column '{}'{}", file_.string(), name,
+        si_unit == "1" ? "" : fmt::format(" (with its unit, such as {})", example)));
+  const Column& column = columns_[*found];
+  if (si_unit != "1" && column.unit.empty())
+    throw std::invalid_argument(fmt::format("{}: column '{}' needs a unit in its name, such as {}",
+                                            file_.string(), name, example));
+  try {
+    units_.convert(0, column.unit.empty() ? "1" : column.unit, si_unit);
+  } catch (const std::invalid_argument& problem) {
+    throw std::invalid_argument(
+        fmt::format("{}: column '{}': {}", file_.string(), name, problem.what()));
+  }
+  return column;
+}
+
 std::vector<double> CsvTable::numbers(const std::string& name, const std::string& si_unit) const
 {
-  const auto column = find(name);
-  if (!column)
-    throw std::runtime_error(
-        fmt::format("{}: there is no column '{}'{}", file_.string(), name,
-                    si_unit == "1" ? "" : fmt::format(" (with its unit, such as {}_{})", name, si_unit)));
-  const std::string& unit = columns_[*column].unit;
-  if (si_unit != "1" && unit.empty())
-    throw std::runtime_error(fmt::format("{}: column '{}' needs a unit in its name, such as {}_{}",
-                                         file_.string(), name, name, si_unit));
+  const Column& column = this->column(name, si_unit);
+  const std::size_t position = *find(name);
   std::vector<double> result;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    try {
-      if (!is_bare_number(rows_[row][*column]))
-        throw std::invalid_argument(fmt::format("'{}' is not a number", rows_[row][*column]));
-      result.push_back(units_.parse(rows_[row][*column], si_unit, unit.empty() ? "1" : unit));
-    } catch (const std::invalid_argument& problem) {
-      throw std::runtime_error(
-          fmt::format("{}: column '{}': {}", place(row), name, problem.what()));
-    }
+    const std::string& cell = rows_[row][position];
+    if (!is_bare_number(cell))
+      throw std::invalid_argument(
+          fmt::format("{}: column '{}': '{}' is not a number", place(row), name, cell));
+    result.push_back(units_.parse(cell, si_unit, column.unit.empty() ? "1" : column.unit));
   }
   return result;
 }
@@ -122,7 +155,7 @@ std::vector<long> CsvTable::integers(const std::string& name) const
   const std::vector<double> values = numbers(name, "1");
   for (std::size_t row = 0; row < values.size(); ++row) {
     if (values[row] != std::floor(values[row]) || std::abs(values[row]) > 1e9)
-      throw std::runtime_error(
+      throw std::invalid_argument(
           fmt::format("{}: column '{}': '{}' is not a whole number", place(row), name,
                       rows_[row][*find(name)]));
     result.push_back(long(values[row]));

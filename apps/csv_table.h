@@ -12,7 +12,7 @@ namespace apps {
 /// or "x [mm]".
 class CsvTable {
 public:
-  /// \throws std::runtime_error naming file and line if it cannot be read or rows differ in length
+  /// \throws std::invalid_argument naming file and line if it cannot be read or rows differ in length
   CsvTable(const std::filesystem::path& file, const Units& units);
 
   std::size_t n_rows() const { return rows_.size(); }
@@ -24,7 +24,7 @@ public:
   void allow_only(const std::vector<std::string>& names) const;
 
   /// Numbers of a column in an SI unit ("1": the column must not carry a unit).
-  /// \throws std::runtime_error naming file, line and column
+  /// \throws std::invalid_argument naming file, line and column
   std::vector<double> numbers(const std::string& name, const std::string& si_unit) const;
 
   /// The same, or `missing` in each row if there is no such column.
@@ -43,6 +43,10 @@ private:
   struct Column {
     std::string name, unit;
   };
+
+  void read_header(const std::vector<std::string>& cells);
+  static Column column_of(const std::string& cell);
+  const Column& column(const std::string& name, const std::string& si_unit) const;
 
   std::filesystem::path file_;
   const Units& units_;

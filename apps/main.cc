@@ -3,11 +3,14 @@
 #include "apps/plot.h"
 #include "apps/run.h"
 #include "apps/study.h"
+#include "apps/text.h"
 #include "apps/verbs.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <functional>
 #include <stdexcept>
@@ -84,6 +87,32 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   info->callback([&] { action = [&] { return info_verb(a.result); }; });
 }
 
+/// What is wrong if the first word is no verb: CLI11 would say that one is missing.
+std::string unknown_verb(const CLI::App& app, const std::string& word)
+{
+  std::vector<std::string> verbs;
+  std::string all;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    verbs.push_back(verb->get_name());
+    all += (all.empty() ? "" : ", ") + verb->get_name();
+  }
+  if (word.empty() || word.front() == '-' ||
+      std::find(verbs.begin(), verbs.end(), word) != verbs.end())
+    return {};
+  const std::string close = nearest(word, verbs);
+  return fmt::format("there is no verb '{}'{}; verbs: {}", word,
+                     close.empty() ? "" : fmt::format("; did you mean '{}'?", close), all);
+}
+
+/// The exit code of an action, unless its output could not be written.
+int finished(int exit_code)
+{
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)
+    return exit_code;
+  fmt::print(stderr, "error: the output cannot be written; is the disk full?\n");
+  return exit_code == exit_ok ? int(exit_failure) : exit_code;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -99,15 +128,19 @@ int main(int argc, char** argv)
   std::function<int()> action;
   add_run(app, arguments, action);
   add_others(app, arguments, action);
+  if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
+    fmt::print(stderr, "error: {}\n", problem);
+    return exit_input;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? exit_ok : exit_input;
   }
-  catch_interrupts();
+  catch_interrupts(!arguments.run.for_parent);
   try {
-    return action();
+    return finished(action());
   } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_input;

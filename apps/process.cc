@@ -49,9 +49,8 @@ int wait_for(const Child& child)
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-Finished run_to_end(const std::vector<std::string>& command)
+Finished read_to_end(const Child& child)
 {
-  const Child child = start_child(command);
   Finished result;
   char buffer[4096];
   for (;;) {
@@ -63,6 +62,11 @@ Finished run_to_end(const std::vector<std::string>& command)
   }
   result.exit_code = wait_for(child);
   return result;
+}
+
+Finished run_to_end(const std::vector<std::string>& command)
+{
+  return read_to_end(start_child(command));
 }
 
 } // namespace apps

@@ -19,11 +19,12 @@ Child start_child(const std::vector<std::string>& command);
 /// Waits for the end. \return the exit code, 128 + signal if it was killed
 int wait_for(const Child& child);
 
-/// Everything the child writes until it ends, then its exit code.
+/// Everything a child writes until it ends, then its exit code.
 struct Finished {
   std::string output;
   int exit_code;
 };
+Finished read_to_end(const Child& child);
 Finished run_to_end(const std::vector<std::string>& command);
 
 } // namespace apps

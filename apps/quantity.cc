@@ -40,7 +40,7 @@ NumberAndRest split_number(std::string_view text)
 {
   const std::string whole = trimmed(std::string(text));
   std::string_view digits = whole;
-  if (digits.starts_with('+'))
+  if (digits.starts_with('+') && !digits.starts_with("+-"))
     digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -48,7 +48,10 @@ NumberAndRest split_number(std::string_view text)
     throw std::invalid_argument(fmt::format("'{}' is out of the range of numbers", whole));
   if (error != std::errc() || !std::isfinite(value))
     throw std::invalid_argument(fmt::format("'{}' does not begin with a number", whole));
-  return {value, trimmed(std::string(end, digits.data() + digits.size()))};
+  const std::string rest = trimmed(std::string(end, digits.data() + digits.size()));
+  if (rest.starts_with(','))
+    throw std::invalid_argument(fmt::format("'{}': decimals are written with a point", whole));
+  return {value, rest};
 }
 
 } // namespace
@@ -85,10 +88,15 @@ double Units::parse(std::string_view text, const std::string& unit,
   return convert(value, rest.empty() ? default_unit : rest, unit);
 }
 
+std::string unit_part(std::string_view text)
+{
+  return split_number(text).rest;
+}
+
 bool is_bare_number(std::string_view text)
 {
   try {
-    return split_number(text).rest.empty();
+    return unit_part(text).empty();
   } catch (const std::invalid_argument&) {
     return false;
   }

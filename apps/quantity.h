@@ -31,6 +31,10 @@ private:
   std::unique_ptr<ut_system, Free> system_;
 };
 
+/// What follows the number in a quantity: "kPa" of "400 kPa", nothing of "400".
+/// \throws std::invalid_argument if the text does not begin with a number
+std::string unit_part(std::string_view text);
+
 /// True if the text is a number without a unit.
 bool is_bare_number(std::string_view text);
 

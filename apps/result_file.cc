@@ -18,8 +18,12 @@ namespace {
 void write_columns(dem::Hdf5File& file, const std::string& group,
                    const std::vector<Column>& columns)
 {
-  for (const Column& column : columns)
+  std::string names;
+  for (const Column& column : columns) {
     file.write(group + "/" + column.name, column.values, column.unit);
+    names += (names.empty() ? "" : ",") + column.name;
+  }
+  file.set_attribute(group, "columns", names); // HDF5 sorts its members
 }
 
 /// |E*| and phase angle over frequency, from the same elastic solution.
@@ -76,7 +80,7 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
 
 void write_results(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
 {
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   const dem::Assembly& assembly = r.specimen.assembly;
   const std::vector<Column> history = history_columns(assembly, r.record);
   const std::vector<Column> breakages = breakage_columns(assembly, r.run->breakages());

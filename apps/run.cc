@@ -1,12 +1,12 @@
 #include "apps/run.h"
 
 #include "apps/audit.h"
+#include "apps/checkpoint.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/load_case.h"
 #include "apps/plot.h"
 #include "apps/progress.h"
-#include "dem/storage.h"
 
 #include <fmt/format.h>
 
@@ -19,38 +19,10 @@ namespace apps {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.h5";
-
 void say(const std::string& line)
 {
   fmt::print("{}\n", line);
   std::fflush(stdout);
-}
-
-void write_checkpoint(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
-{
-  std::filesystem::create_directories(folder);
-  const std::filesystem::path file = folder / checkpoint_name;
-  dem::Hdf5File hdf5 = dem::Hdf5File::create(file);
-  hdf5.set_attribute("", "kind", std::string("checkpoint"));
-  hdf5.set_attribute("", "storage_version", dem::storage_version);
-  hdf5.write_text("scene/resolved", r.scene.schema->print(false));
-  hdf5.write_text("scene/as_typed", r.scene.text);
-  hdf5.set_attribute("scene", "name", r.scene.name);
-  hdf5.set_attribute("scene", "folder", std::filesystem::absolute(r.scene.folder).string());
-  hdf5.set_attribute("scene", "solver", name_of(r.decision.solver));
-  hdf5.set_attribute("scene", "solver_reason", r.decision.reason);
-  hdf5.set_attribute("scene", "result_folder", std::filesystem::absolute(folder).string());
-  hdf5.set_attribute("", "wall_time_s", wall_time);
-  dem::write_particles(hdf5, "packing", r.packing.particles);
-  hdf5.set_attribute("packing", "lower_platen_m", r.packing.platens.low);
-  hdf5.set_attribute("packing", "upper_platen_m", r.packing.platens.high);
-  hdf5.set_attribute("packing", "origin", r.packing.origin);
-  r.run->save(hdf5);
-  write_record(hdf5, "record", r.record);
-  std::error_code ignored; // the one before stays until the new one is whole
-  std::filesystem::rename(file, file.string() + ".previous", ignored);
-  hdf5.publish();
 }
 
 /// One line about the present state.
@@ -82,12 +54,7 @@ DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunO
     if (std::ranges::binary_search(stored, time) || r.run->ended())
       r.record.snapshots.push_back(r.run->snapshot(time));
   };
-  double recorded = r.record.history.empty() ? -1 : r.record.history.back().time;
-  if (!r.record.snapshots.empty())
-    recorded = std::max(recorded, r.record.snapshots.back().time);
-  for (std::size_t k = 0; k < stops.size(); ++k) {
-    if (stops[k] <= recorded * (1 + 1e-12) && recorded >= 0)
-      continue; // before the checkpoint
+  for (std::size_t k = r.n_recorded; k < stops.size(); ++k) {
     while (!r.run->ended() && !r.run->reached(stops[k])) {
       r.run->work_towards(stops[k]);
       const double fraction = r.run->work_is_even_in_time() && end > 0
@@ -108,6 +75,7 @@ DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunO
     if (r.run->ended() && r.run->time() < stops[k])
       break;
     record(stops[k]);
+    r.n_recorded = k + 1;
   }
   const double last = r.record.history.empty() ? -1 : r.record.history.back().time;
   if (r.run->ended() && r.run->time() > last)
@@ -119,9 +87,10 @@ DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunO
 
 int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options)
 {
+  make_folder(folder); // now, not after hours
   if (drive(r, folder, options) == DriveEnd::interrupted) {
-    say(fmt::format("{}: interrupted at t = {:.6g} s; to go on: mastic run --resume {}",
-                    r.scene.name, r.run->time(), (folder / checkpoint_name).string()));
+    say(fmt::format("{}: interrupted at t = {:.6g} s{}", r.scene.name, r.run->time(),
+                    options.for_parent ? "" : "; to go on: mastic run --resume " + folder.string()));
     return exit_interrupted;
   }
   const dem::Response& last = r.record.history.back();
@@ -140,9 +109,7 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
   write_results(r, folder, r.wall_time_before);
   if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)
     print_scaling_audit(r, folder);
-  std::error_code ignored;
-  std::filesystem::remove(folder / checkpoint_name, ignored);
-  std::filesystem::remove((folder / checkpoint_name).string() + ".previous", ignored);
+  remove_checkpoints(folder);
   say(fmt::format("  results in {}", folder.string()));
   if (r.scene.scene->output.plots)
     for (const std::string& figure : make_figures({folder}, folder))
@@ -156,21 +123,6 @@ void tell_estimates(const LoadedScene& scene)
   const std::string list = estimated_keys(scene);
   if (!list.empty())
     say("  preset 'estimate': estimates, not the paper's tables, stand for " + list);
-}
-
-void start_run(RunInProgress& r, const RunOptions& options)
-{
-  const Scene& scene = *r.scene.scene;
-  r.specimen = make_specimen(r.scene, r.packing);
-  r.loading = make_loading(scene, r.specimen.assembly);
-  if (r.decision.reason.empty())
-    r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
-  r.n_threads = options.n_threads;
-  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
-  say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
-                  r.specimen.assembly.bonds.size(), name_of(r.decision.solver),
-                  r.decision.reason));
-  tell_estimates(r.scene);
 }
 
 } // namespace
@@ -206,21 +158,38 @@ void print_diagnostics(const std::vector<Diagnostic>& diagnostics)
   }
 }
 
+void start_run(RunInProgress& r, const RunOptions& options)
+{
+  const Scene& scene = *r.scene.scene;
+  r.files_fingerprint = files_fingerprint(r.scene);
+  r.specimen = make_specimen(r.scene, r.packing);
+  r.loading = make_loading(scene, r.specimen.assembly);
+  if (r.decision.reason.empty())
+    r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
+  r.n_threads = options.n_threads;
+  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
+  say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
+                  r.specimen.assembly.bonds.size(), name_of(r.decision.solver),
+                  r.decision.reason));
+  tell_estimates(r.scene);
+}
+
 int run_scene(LoadedScene scene, const RunOptions& options)
 {
   print_diagnostics(scene.diagnostics);
   if (scene.has_errors())
     return exit_input;
   const std::filesystem::path folder = result_folder(scene);
+  require_writable(folder);
+  const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
+  if (options.packing && !generated)
+    throw std::invalid_argument("--packing: the scene reads its particles from a file already "
+                                "(Source = file)");
   say(fmt::format("{}{}", scene.name,
                   scene.scene->title.empty() ? "" : ": " + scene.scene->title));
   RunInProgress r;
-  if (options.packing) {
-    const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
-    r.packing = read_packing(*options.packing,
-                             generated ? std::optional(packing_recipe(*scene.scene)) : std::nullopt);
-  } else
-    r.packing = make_packing(scene);
+  r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
+                              : make_packing(scene);
   r.scene = std::move(scene);
   start_run(r, options);
   return finish(r, folder, options);
@@ -228,50 +197,8 @@ int run_scene(LoadedScene scene, const RunOptions& options)
 
 int resume_run(const std::filesystem::path& file, const RunOptions& options)
 {
-  RunInProgress r;
-  std::filesystem::path folder;
-  std::filesystem::path source = file;
-  std::unique_ptr<dem::Hdf5File> hdf5;
-  try {
-    hdf5 = std::make_unique<dem::Hdf5File>(dem::Hdf5File::open(source));
-    if (!hdf5->is_complete())
-      throw std::runtime_error(fmt::format("{}: the checkpoint is cut off", source.string()));
-  } catch (const std::runtime_error& problem) {
-    source = file.string() + ".previous";
-    if (!std::filesystem::exists(source))
-      throw;
-    fmt::print(stderr, "{}\nwarning: taking the checkpoint before it\n", problem.what());
-    hdf5 = std::make_unique<dem::Hdf5File>(dem::Hdf5File::open(source));
-  }
-  if (!hdf5->is_complete() || hdf5->text_attribute("", "kind") != "checkpoint")
-    throw std::invalid_argument(fmt::format("{}: this is not a checkpoint", source.string()));
-  if (hdf5->number_attribute("", "storage_version") > dem::storage_version)
-    throw std::invalid_argument(
-        fmt::format("{}: the checkpoint was written by a newer version", source.string()));
-  r.scene = load_scene_text(hdf5->read_text("scene/resolved"), hdf5->text_attribute("scene", "name"),
-                            hdf5->text_attribute("scene", "folder"), options.overrides);
-  r.scene.text = hdf5->read_text("scene/as_typed");
-  print_diagnostics(r.scene.diagnostics);
-  if (r.scene.has_errors())
-    return exit_input;
-  folder = hdf5->text_attribute("scene", "result_folder");
-  say(fmt::format("{}: resumed from {}", r.scene.name, source.string()));
-  r.packing = {dem::read_particles(*hdf5, "packing"), std::nullopt, {},
-               {hdf5->number_attribute("packing", "lower_platen_m"),
-                hdf5->number_attribute("packing", "upper_platen_m")},
-               hdf5->text_attribute("packing", "origin")};
-  if (r.scene.scene->specimen.source == SpecimenSource::file) // supports and loads of the file
-    r.packing = make_packing(r.scene);
-  const std::string solver = hdf5->text_attribute("scene", "solver");
-  for (const SolverChoice each : {SolverChoice::linear, SolverChoice::events, SolverChoice::dynamic})
-    if (name_of(each) == solver)
-      r.decision = {each, hdf5->text_attribute("scene", "solver_reason")};
-  start_run(r, options);
-  r.run->load(*hdf5);
-  r.record = read_record(*hdf5, "record");
-  r.wall_time_before = hdf5->number_attribute("", "wall_time_s");
-  hdf5.reset();
-  return finish(r, folder, options);
+  Resumed resumed = read_checkpoint(file, options);
+  return finish(resumed.run, resumed.folder, options);
 }
 
 } // namespace apps

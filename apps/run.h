@@ -37,12 +37,18 @@ struct RunInProgress {
   SolverDecision decision;
   std::unique_ptr<SpecimenRun> run;
   RunRecord record;
-  double wall_time_before = 0; ///< of earlier parts of an interrupted run [s]
+  std::size_t n_recorded = 0;    ///< times of history and snapshots that are done
+  std::string files_fingerprint; ///< of the particle and bond files, when they were read
+  double wall_time_before = 0;   ///< of earlier parts of an interrupted run [s]
   int n_threads = 1;
 };
 
 /// Folder for the results of a scene.
 std::filesystem::path result_folder(const LoadedScene& scene);
+
+/// Makes specimen, loading and solver of a scene and its packing; says what they are.
+/// \throws std::invalid_argument if they do not go together
+void start_run(RunInProgress& run, const RunOptions& options);
 
 /// Prints diagnostics: errors and warnings to standard error.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);

@@ -47,6 +47,26 @@ std::vector<dem::Vec3> vectors(const std::vector<double>& numbers)
 
 } // namespace
 
+Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
+                          std::span<const dem::BondStatus> status, const Eigen::VectorXd& dofs,
+                          const Eigen::VectorXd& elastic)
+{
+  Snapshot snapshot{time, {}, {}, {}, {}, {}};
+  for (std::size_t i = 0; i < network.radius.size(); ++i) {
+    const dem::ParticleMotion m = dem::motion(network, dofs, dem::Index(i));
+    snapshot.displacement.push_back(m.displacement);
+    snapshot.rotation.push_back(m.rotation);
+  }
+  for (std::size_t b = 0; b < network.bonds.size(); ++b) {
+    const dem::BondLoad load = dem::bond_load(
+        network.bonds[b], status[b], dem::deformation(network, network.bonds[b], elastic));
+    snapshot.force.push_back(load.force);
+    snapshot.moment.push_back(load.moment);
+    snapshot.state.push_back(std::uint8_t(status[b]));
+  }
+  return snapshot;
+}
+
 std::vector<Column> history_columns(const dem::Assembly& assembly, const RunRecord& record)
 {
   using dem::Response;

@@ -2,8 +2,10 @@
 #include "apps/scene.h"
 #include "dem/assembly.h"
 #include "dem/hdf5_file.h"
+#include "dem/network.h"
 #include "dem/records.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,11 @@ struct Snapshot {
   std::vector<dem::Vec3> moment;       ///< [N m]
   std::vector<std::uint8_t> state;     ///< of each bond: 0 intact, 1 pressed contact, 2 gone
 };
+
+/// Snapshot of a network from its dofs, and from the elastic ones that give the bond forces.
+Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
+                          std::span<const dem::BondStatus> status, const Eigen::VectorXd& dofs,
+                          const Eigen::VectorXd& elastic);
 
 /// What a run has recorded so far, apart from breakages.
 struct RunRecord {

@@ -133,7 +133,7 @@ struct LoadedScene {
 };
 
 /// \param overrides  texts "Section/Key = value"
-/// \throws std::runtime_error if the file cannot be read
+/// \throws std::invalid_argument if the file cannot be read
 LoadedScene load_scene(const std::filesystem::path& file,
                        const std::vector<std::string>& overrides);
 

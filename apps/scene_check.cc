@@ -1,9 +1,13 @@
 #include "apps/scene.h"
 
+#include "apps/specimen.h"
+#include "apps/text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 namespace apps {
@@ -18,13 +22,17 @@ public:
   void tell(Diagnostic::Kind kind, const std::string& key, const std::string& message)
   {
     const auto found = schema_.set_keys().find(key);
-    const std::string place = found != schema_.set_keys().end() ? found->second : key + " (default)";
+    const std::string place = found != schema_.set_keys().end() ? found->second : key + " (not set)";
     const bool typed = found != schema_.set_keys().end();
     list.push_back({kind, place, typed ? key.substr(key.rfind('/') + 1) + ": " + message : message});
   }
   void error(const std::string& key, const std::string& message)
   {
     tell(Diagnostic::Kind::error, key, message);
+  }
+  bool has_errors() const
+  {
+    return std::ranges::find(list, Diagnostic::Kind::error, &Diagnostic::kind) != list.end();
   }
   bool is_set(const std::string& key) const { return schema_.set_keys().contains(key); }
 
@@ -82,6 +90,41 @@ void check_law(const std::string& section, const BondLawInput& law, bool accept_
                    fmt::format("{:g} N/m makes a modulus of about {:.2g} Pa, outside 1e5 to 1e12 "
                                "Pa; if that is meant, set Accept unusual values = true",
                                law.maxwell_stiffness, modulus));
+}
+
+/// Classes are whole numbers, and each pair of them has one law.
+void check_classes(const Scene& scene, Findings& findings)
+{
+  std::map<std::pair<double, double>, std::string> seen;
+  for (const auto& [name, law] : scene.more_bonds) {
+    const std::string key = "Bond law " + name + "/Classes";
+    if (law->class_pairs.empty())
+      findings.error(key, "say for which pairs of classes the law is, such as '0: 1'");
+    for (const auto& [a, b] : law->class_pairs) {
+      if (a != std::floor(a) || b != std::floor(b) || std::abs(a) > 1e9 || std::abs(b) > 1e9)
+        findings.error(key, fmt::format("'{:g}: {:g}' are not whole numbers", a, b));
+      const auto [first, is_new] = seen.insert({std::minmax(a, b), name});
+      if (!is_new)
+        findings.error(key, fmt::format("the pair {:g}: {:g} has a law already, 'Bond law {}'", a,
+                                        b, first->second));
+    }
+  }
+}
+
+/// What the laws together say, and whether the solver can take them.
+void check_laws(const Scene& scene, Findings& findings)
+{
+  if (findings.has_errors())
+    return; // laws may not be possible
+  try {
+    const std::vector<dem::BondLaw> laws = bond_laws(scene, 1);
+    if ((scene.solver == SolverChoice::linear || scene.solver == SolverChoice::events) &&
+        !dem::proportional_laws(laws))
+      findings.error("Solver", "the bonds follow several laws that are not proportional, so that "
+                               "their forces depend on history; use dynamic or auto");
+  } catch (const std::invalid_argument& problem) {
+    findings.error("Bonds/Maxwell stiffness", problem.what());
+  }
 }
 
 void check_preset(const Scene& scene, Findings& findings)
@@ -153,8 +196,17 @@ void check_solver(const Scene& scene, Findings& findings)
 
 void check_study(const Scene& scene, Findings& findings)
 {
-  if (scene.study.vary.empty() != scene.study.values.empty())
+  const Scene::Study& v = scene.study;
+  if (v.vary.empty() != v.values.empty())
     findings.error("Study/Vary", "a study needs both Vary and Values");
+  if (v.vary.starts_with("Study/") || v.vary == "Output/Folder")
+    findings.error("Study/Vary", fmt::format("'{}' cannot be varied", v.vary));
+  std::set<std::string> seen;
+  for (const std::string& value : split(v.values, ','))
+    if (value.empty())
+      findings.error("Study/Values", "there is nothing between two commas");
+    else if (!seen.insert(value).second)
+      findings.error("Study/Values", fmt::format("'{}' comes twice", value));
 }
 
 } // namespace
@@ -164,11 +216,10 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
   Findings findings(schema);
   check_specimen(scene, findings);
   check_law("Bonds", scene.bonds, scene.accept_unusual, findings);
-  for (const auto& [name, law] : scene.more_bonds) {
+  for (const auto& [name, law] : scene.more_bonds)
     check_law("Bond law " + name, *law, scene.accept_unusual, findings);
-    if (law->class_pairs.empty())
-      findings.error("Bond law " + name + "/Classes", "say for which pairs of classes the law is");
-  }
+  check_classes(scene, findings);
+  check_laws(scene, findings);
   if (!scene.accept_unusual && (scene.specimen.density < 500 || scene.specimen.density > 10000))
     findings.error("Specimen/Density",
                    fmt::format("{:g} kg/m^3 is outside 500 to 10000; if that is meant, set Accept "

@@ -4,21 +4,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace apps {
 
 namespace {
 
-constexpr int deepest_include = 8;
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+using Paths = std::vector<std::filesystem::path>;
+
+/// One name for one file, as far as that can be known.
+std::filesystem::path identity(const std::filesystem::path& file)
+{
+  std::error_code failed;
+  const std::filesystem::path result = std::filesystem::weakly_canonical(file, failed);
+  return failed ? file : result;
+}
 
 /// Reads lines of one file into a scene text.
 class Scanner {
 public:
-  Scanner(SceneText& scene, std::string name, std::filesystem::path folder, int depth)
-      : scene_(scene), name_(std::move(name)), folder_(std::move(folder)), depth_(depth)
+  /// \param sections  those open where the file is included
+  /// \param open      this file and those that include it
+  Scanner(SceneText& scene, std::string name, std::filesystem::path folder,
+          std::vector<std::string> sections, Paths open)
+      : scene_(scene), name_(std::move(name)), folder_(std::move(folder)),
+        sections_(std::move(sections)), open_(std::move(open)), n_outer_(sections_.size())
   {
   }
 
@@ -45,7 +61,7 @@ public:
     place_ = fmt::format("{}:{}", name_, number);
     if (!joined.empty())
       error("the file ends in the middle of a continued line");
-    if (!sections_.empty())
+    if (sections_.size() > n_outer_)
       error(fmt::format("'subsection {}' is not closed by 'end'", sections_.back()));
   }
 
@@ -58,7 +74,7 @@ private:
     const std::string word = line.substr(0, space), rest = trimmed(line.substr(space));
     if (word == "subsection" && !rest.empty())
       sections_.push_back(rest);
-    else if (line == "end" && !sections_.empty())
+    else if (line == "end" && sections_.size() > n_outer_)
       sections_.pop_back();
     else if (line == "end")
       error("'end' without a 'subsection' to close");
@@ -85,15 +101,22 @@ private:
 
   void include(const std::string& file)
   {
+    if (file.empty()) {
+      error("write 'include FILE'");
+      return;
+    }
     const std::filesystem::path path = folder_ / file;
-    if (depth_ >= deepest_include) {
-      error(fmt::format("'include {}': files include each other", file));
+    Paths open = open_;
+    open.push_back(identity(path));
+    if (std::ranges::find(open_, open.back()) != open_.end()) {
+      error(fmt::format("'include {}': the file includes itself, directly or through others", file));
       return;
     }
     try {
       const std::string text = read_text_file(path);
-      Scanner(scene_, path.lexically_normal().string(), path.parent_path(), depth_ + 1).scan(text);
-    } catch (const std::runtime_error& failure) {
+      Scanner(scene_, path.lexically_normal().string(), path.parent_path(), sections_, open)
+          .scan(text);
+    } catch (const std::invalid_argument& failure) {
       error(fmt::format("'include {}': {}", file, failure.what()));
     }
   }
@@ -106,40 +129,50 @@ private:
   SceneText& scene_;
   std::string name_;
   std::filesystem::path folder_;
-  int depth_;
-  std::string place_;
   std::vector<std::string> sections_;
+  Paths open_;
+  std::size_t n_outer_;
+  std::string place_;
 };
 
 } // namespace
 
-std::string SceneEntry::path() const
+std::string SceneEntry::section() const
 {
   std::string result;
-  for (const std::string& section : sections)
-    result += section + "/";
-  return result + key;
+  for (const std::string& part : sections)
+    result += (result.empty() ? "" : "/") + part;
+  return result;
+}
+
+std::string SceneEntry::path() const
+{
+  return sections.empty() ? key : section() + "/" + key;
 }
 
 std::string read_text_file(const std::filesystem::path& file)
 {
-  if (std::filesystem::is_directory(file))
-    throw std::runtime_error(fmt::format("{} is a folder, not a file", file.string()));
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw std::invalid_argument(fmt::format("{} is a folder, not a file", file.string()));
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
-    throw std::runtime_error(fmt::format("{} cannot be read: there is no such file, or you may not "
-                                         "read it",
-                                         file.string()));
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
+    throw std::invalid_argument(fmt::format("{} cannot be read: there is no such file, or you may "
+                                            "not read it",
+                                            file.string()));
+  std::ostringstream stored;
+  stored << stream.rdbuf();
+  std::string text = stored.str();
+  if (text.starts_with(byte_order_mark))
+    text.erase(0, byte_order_mark.size());
+  return text;
 }
 
 SceneText scan_scene(const std::string& text, const std::string& name,
                      const std::filesystem::path& folder)
 {
   SceneText scene;
-  Scanner(scene, name, folder, 0).scan(text);
+  Scanner(scene, name, folder, {}, {identity(name)}).scan(text);
   return scene;
 }
 
@@ -155,6 +188,9 @@ SceneEntry override_entry(const std::string& text)
   if (equals == std::string::npos || path.empty() || path.back().empty())
     throw std::invalid_argument(
         fmt::format("--set \"{}\": write \"Section/Key = value\"", text));
+  if (text.find_first_of("#\n\r") != std::string::npos || trimmed(text).ends_with('\\'))
+    throw std::invalid_argument(fmt::format(
+        "--set \"{}\": '#', line breaks and a backslash at the end cannot stand in a scene", text));
   SceneEntry entry;
   entry.key = path.back();
   path.pop_back();

@@ -19,20 +19,21 @@ struct SceneEntry {
   std::string key, value;
   std::string place;
 
-  std::string path() const; ///< "Loading/Axial stress"
+  std::string section() const; ///< "Loading"
+  std::string path() const;    ///< "Loading/Axial stress"
 };
 
 /// What a scene file says, before anything is known about its keys.
 ///
 /// The syntax is that of deal.II's parameter files: `subsection NAME` ... `end`, `set KEY = VALUE`,
-/// `include FILE` (relative to the file it stands in), `#` to the end of the line is a comment, a
-/// backslash at the end continues the line.
+/// `include FILE` (relative to the file it stands in, as if its lines stood there), `#` to the end
+/// of the line is a comment, a backslash at the end continues the line.
 struct SceneText {
   std::vector<SceneEntry> entries;
   std::vector<Diagnostic> diagnostics;
 };
 
-/// \throws std::runtime_error if the file cannot be read
+/// \throws std::invalid_argument if the file cannot be read
 SceneText read_scene_text(const std::filesystem::path& file);
 
 /// The same from a text, for `include`s relative to a folder.
@@ -43,8 +44,8 @@ SceneText scan_scene(const std::string& text, const std::string& name,
 /// \throws std::invalid_argument if it has another form
 SceneEntry override_entry(const std::string& text);
 
-/// Whole content of a text file.
-/// \throws std::runtime_error with the path
+/// Whole content of a text file, without the mark that some editors put before UTF-8.
+/// \throws std::invalid_argument with the path
 std::string read_text_file(const std::filesystem::path& file);
 
 } // namespace apps

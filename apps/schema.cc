@@ -51,6 +51,16 @@ std::string range_text(const std::string& unit, const Bounds& bounds)
   return bounds.text().empty() ? range : range + ", " + bounds.text();
 }
 
+/// True if a number in a list, or in a list of pairs, comes without a unit.
+bool has_bare_number(const std::string& text)
+{
+  for (const std::string& part : split(text, ','))
+    for (const std::string& number : split(part, ':'))
+      if (is_bare_number(number))
+        return true;
+  return false;
+}
+
 } // namespace
 
 bool Bounds::contain(double value) const
@@ -92,9 +102,22 @@ void Schema::declare(const std::string& key, const std::string& initial, const s
     handler_.leave_subsection();
 }
 
+/// Units that convert, but to something else than is meant.
+void Schema::refuse_odd_unit(const std::string& text, const std::string& unit) const
+{
+  const std::string typed = unit_part(text);
+  if (unit == "1" && !typed.empty() && typed != "%")
+    throw std::invalid_argument(fmt::format("a plain number is expected, without '{}'", typed));
+  if (unit == "K" && !typed.empty() && units_.convert(0, typed, unit) != 0)
+    throw std::invalid_argument(fmt::format("a difference of temperatures is expected, '{}' is a "
+                                            "temperature: write K",
+                                            trimmed(text)));
+}
+
 double Schema::checked(const std::string& text, const std::string& unit, const Bounds& bounds,
                        const std::string& si_unit) const
 {
+  refuse_odd_unit(text, unit);
   const double value = units_.parse(text, unit, unit);
   if (!bounds.contain(value))
     throw std::invalid_argument(
@@ -153,6 +176,8 @@ void Schema::quantities(const std::string& key, std::vector<double>& target,
                         const std::string& text)
 {
   const std::string si = si_unit_of(unit);
+  if (unit != "1")
+    default_units_[path_of(section_, key)] = unit;
   declare_parsed(key, target, initial, text,
                  "list, each " + range_text(unit, bounds) + "; or 'none'",
                  [=, this](const std::string& typed) {
@@ -168,6 +193,8 @@ void Schema::pairs(const std::string& key, std::vector<std::pair<double, double>
                    const std::string& first_unit, const std::string& second_unit,
                    const std::string& initial, const std::string& text)
 {
+  if (first_unit != "1" || second_unit != "1")
+    default_units_[path_of(section_, key)] = first_unit + " and " + second_unit;
   declare_parsed(
       key, target, initial, text,
       fmt::format("list of pairs 'a: b', {} and {}", range_text(first_unit, any()),
@@ -178,8 +205,9 @@ void Schema::pairs(const std::string& key, std::vector<std::pair<double, double>
           const std::vector<std::string> two = split(part, ':');
           if (two.size() != 2)
             throw std::invalid_argument(fmt::format("'{}' is not of the form 'a: b'", part));
-          result.emplace_back(checked(two[0], first_unit, any(), si_unit_of(first_unit)),
-                              checked(two[1], second_unit, any(), si_unit_of(second_unit)));
+          const double first = checked(two[0], first_unit, any(), si_unit_of(first_unit));
+          const double second = checked(two[1], second_unit, any(), si_unit_of(second_unit));
+          result.emplace_back(first, second);
         }
         return result;
       });
@@ -240,24 +268,27 @@ void Schema::declare_choice(const std::string& key, const std::vector<std::strin
       [index, select](const std::string& typed) { select(index(typed)); });
 }
 
+std::string Schema::unknown_section(const std::string& section) const
+{
+  std::vector<std::string> names;
+  for (const auto& known : sections_)
+    names.push_back(known.first);
+  if (std::find(names.begin(), names.end(), section) != names.end())
+    return {};
+  const std::string close = nearest(section, names);
+  return fmt::format("there is no section '{}'{}", section,
+                     close.empty() ? "" : fmt::format("; did you mean '{}'?", close));
+}
+
 std::string Schema::unknown_key(const SceneEntry& entry) const
 {
-  std::string section;
-  for (const std::string& part : entry.sections)
-    section += (section.empty() ? "" : "/") + part;
-  std::vector<std::string> here, elsewhere, section_names;
+  const std::string section = entry.section();
+  std::vector<std::string> here, elsewhere;
   for (const Key& key : keys_) {
     if (key.section == section)
       here.push_back(key.name);
     if (key.name == entry.key)
       elsewhere.push_back(path_of(key.section, key.name));
-  }
-  for (const auto& known : sections_)
-    section_names.push_back(known.first);
-  if (std::find(section_names.begin(), section_names.end(), section) == section_names.end()) {
-    const std::string close = nearest(section, section_names);
-    return fmt::format("there is no section '{}'{}", section,
-                       close.empty() ? "" : fmt::format("; did you mean '{}'?", close));
   }
   std::string close = nearest(entry.key, here);
   if (!elsewhere.empty())
@@ -270,12 +301,18 @@ std::string Schema::unknown_key(const SceneEntry& entry) const
 std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)
 {
   std::vector<Diagnostic> diagnostics;
+  std::set<std::string> unknown_sections;
   const auto file_of = [](const std::string& place) { return place.substr(0, place.rfind(':')); };
   for (const SceneEntry& entry : entries) {
     const auto tell = [&](Diagnostic::Kind kind, const std::string& message) {
       diagnostics.push_back({kind, entry.place, message});
     };
     const std::string path = entry.path();
+    if (const std::string problem = unknown_section(entry.section()); !problem.empty()) {
+      if (unknown_sections.insert(entry.section()).second) // not again for each key in it
+        tell(Diagnostic::Kind::error, problem);
+      continue;
+    }
     const auto check = checks_.find(path);
     if (check == checks_.end()) {
       tell(Diagnostic::Kind::error, unknown_key(entry));
@@ -298,7 +335,7 @@ std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)
       continue;
     }
     if (const auto unit = default_units_.find(path);
-        unit != default_units_.end() && is_bare_number(entry.value))
+        unit != default_units_.end() && has_bare_number(entry.value))
       tell(Diagnostic::Kind::note,
            fmt::format("{} = {}: no unit given, taken as {}", entry.key, entry.value,
                        unit->second));

@@ -116,6 +116,8 @@ private:
                       const std::function<void(std::size_t)>& select);
   double checked(const std::string& text, const std::string& unit, const Bounds& bounds,
                  const std::string& si_unit) const;
+  void refuse_odd_unit(const std::string& text, const std::string& unit) const;
+  std::string unknown_section(const std::string& section) const;
   std::string unknown_key(const SceneEntry& entry) const;
 
   const Units& units_;
@@ -124,7 +126,7 @@ private:
   std::vector<std::pair<std::string, std::string>> sections_; ///< name and text, in order
   std::vector<Key> keys_;
   std::map<std::string, Check> checks_;              ///< by path
-  std::map<std::string, std::string> default_units_; ///< of dimensional keys, by path
+  std::map<std::string, std::string> default_units_; ///< of bare numbers, by path
   std::map<std::string, std::string> set_keys_;
 };
 

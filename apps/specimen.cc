@@ -1,13 +1,14 @@
 #include "apps/specimen.h"
 
 #include "apps/csv_table.h"
+#include "dem/connectivity.h"
+#include "dem/network.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 
 namespace apps {
@@ -37,43 +38,109 @@ dem::BondLaw bond_law(const BondLawInput& input, double viscosity_shift)
 /// The law of section Bonds for all pairs of classes that no other section names.
 void set_laws(dem::Assembly& assembly, const Scene& scene, double viscosity_shift)
 {
-  assembly.laws = {bond_law(scene.bonds, viscosity_shift)};
+  assembly.laws = bond_laws(scene, viscosity_shift);
+  const std::vector<int>& of_particles = assembly.particles.material_class;
+  const std::set<int> classes(of_particles.begin(), of_particles.end());
+  int law = 0;
   for (const auto& [name, input] : scene.more_bonds) {
-    const int law = int(assembly.laws.size());
-    assembly.laws.push_back(bond_law(*input, viscosity_shift));
-    for (const auto& [a, b] : input->class_pairs)
+    ++law;
+    for (const auto& [a, b] : input->class_pairs) {
+      for (const double each : {a, b})
+        if (!classes.contains(int(each)))
+          throw std::invalid_argument(
+              fmt::format("Bond law {}/Classes: no particle has class {:g}", name, each));
       assembly.pair_laws.push_back({int(a), int(b), law});
+    }
   }
-  std::vector<int> classes = assembly.particles.material_class;
-  std::ranges::sort(classes);
-  classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
   for (const int a : classes)
     for (const int b : classes)
       assembly.pair_laws.push_back({a, b, 0}); // found after those above
 }
 
-std::vector<std::array<dem::Index, 2>> listed_pairs(const CsvTable& table)
+std::vector<double> listed_strengths(const CsvTable& table, const std::string& column)
 {
+  const std::vector<double> strengths = table.numbers(column, "N");
+  for (std::size_t row = 0; row < strengths.size(); ++row)
+    if (strengths[row] < 0)
+      throw std::invalid_argument(fmt::format("{}: column '{}': a strength must be >= 0, found {:g} "
+                                              "N",
+                                              table.place(row), column, strengths[row]));
+  return strengths;
+}
+
+/// Bonds, and strengths if there are any, from the bond file.
+void read_bonds(dem::Assembly& assembly, const CsvTable& table, const std::string& file)
+{
+  table.allow_only({"a", "b", "normal_strength", "shear_strength"});
   const std::vector<long> a = table.integers("a"), b = table.integers("b");
   std::vector<std::array<dem::Index, 2>> pairs;
   for (std::size_t row = 0; row < a.size(); ++row)
     pairs.push_back({dem::Index(a[row]), dem::Index(b[row])});
-  return pairs;
+  try {
+    assembly.bonds = dem::make_bonds(assembly.particles, pairs, assembly.laws, assembly.pair_laws);
+  } catch (const std::invalid_argument& problem) {
+    throw std::invalid_argument(fmt::format("{}: {}", file, problem.what()));
+  }
+  const bool normal = table.find("normal_strength").has_value();
+  const bool shear = table.find("shear_strength").has_value();
+  if (shear && !normal)
+    throw std::invalid_argument(file + ": column 'shear_strength' needs a column "
+                                       "'normal_strength' (with its unit, such as "
+                                       "normal_strength_N)");
+  if (normal)
+    assembly.strengths = dem::Strengths{
+        listed_strengths(table, "normal_strength"),
+        listed_strengths(table, shear ? "shear_strength" : "normal_strength"), 0};
 }
 
-std::optional<dem::Strengths> drawn_strengths(const Scene& scene,
-                                              std::span<const std::int64_t> bond_id)
+void bond_contacts(Specimen& specimen, const Scene::Specimen& v)
+{
+  dem::Assembly& assembly = specimen.assembly;
+  const dem::ContactPairs pairs = v.bond_rule == BondRule::gap
+                                      ? dem::contacts_within(assembly.particles, v.bond_gap)
+                                      : dem::nearest_contacts(assembly.particles, v.mean_contacts);
+  assembly.bonds =
+      dem::make_bonds(assembly.particles, pairs.pairs, assembly.laws, assembly.pair_laws);
+  specimen.bond_gap = pairs.gap;
+}
+
+dem::Strengths drawn_strengths(const Scene& scene, std::span<const std::int64_t> bond_id)
 {
   const Scene::Strength& v = scene.strength;
-  if (v.kind == StrengthKind::none)
-    return std::nullopt;
   dem::StrengthLaw law{dem::WeibullStrength{v.modulus, v.scale}, v.rule, v.shear_ratio};
   if (v.kind == StrengthKind::normal)
     law.distribution = dem::NormalStrength{v.mean, v.standard_deviation};
   return dem::draw_strengths(law, bond_id, std::uint64_t(v.seed));
 }
 
+/// Before a solver finds out in its own words.
+void refuse_if_unsupported(const dem::Assembly& assembly)
+{
+  const dem::ElasticNetwork network = dem::make_network(assembly);
+  const std::vector<dem::BondStatus> intact(network.bonds.size(), dem::BondStatus::intact);
+  const std::string obstacle =
+      dem::equilibrium_obstacle(network, dem::find_pieces(network, intact));
+  if (obstacle.empty())
+    return;
+  const auto glued = [&](dem::Support support) {
+    return std::ranges::count(assembly.support, support);
+  };
+  throw std::invalid_argument(fmt::format(
+      "the specimen cannot carry the load: {} ({} particles, {} bonds, {} particles glued to the "
+      "lower platen, {} to the upper one)",
+      obstacle, assembly.particles.size(), assembly.bonds.size(), glued(dem::Support::bottom),
+      glued(dem::Support::top)));
+}
+
 } // namespace
+
+std::vector<dem::BondLaw> bond_laws(const Scene& scene, double viscosity_shift)
+{
+  std::vector<dem::BondLaw> laws{bond_law(scene.bonds, viscosity_shift)};
+  for (const auto& [name, input] : scene.more_bonds)
+    laws.push_back(bond_law(*input, viscosity_shift));
+  return laws;
+}
 
 dem::PackingRequest packing_request(const Scene& scene)
 {
@@ -123,44 +190,31 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
   specimen.viscosity_shift =
       dem::shift_factor(temperature_shift(scene.temperature), scene.temperature.temperature);
   set_laws(assembly, scene, specimen.viscosity_shift);
-  std::optional<CsvTable> bond_table;
-  if (!v.bond_file.empty()) {
-    bond_table.emplace(loaded.folder / v.bond_file, *loaded.units);
-    bond_table->allow_only({"a", "b", "normal_strength", "shear_strength"});
-    try {
-      assembly.bonds = dem::make_bonds(assembly.particles, listed_pairs(*bond_table), assembly.laws,
-                                       assembly.pair_laws);
-    } catch (const std::invalid_argument& problem) {
-      throw std::runtime_error(
-          fmt::format("{}: {}", (loaded.folder / v.bond_file).string(), problem.what()));
-    }
-  } else {
-    const dem::ContactPairs pairs =
-        v.bond_rule == BondRule::gap
-            ? dem::contacts_within(assembly.particles, v.bond_gap)
-            : dem::nearest_contacts(assembly.particles, v.mean_contacts);
-    assembly.bonds =
-        dem::make_bonds(assembly.particles, pairs.pairs, assembly.laws, assembly.pair_laws);
-    specimen.bond_gap = pairs.gap;
+  if (v.bond_file.empty())
+    bond_contacts(specimen, v);
+  else {
+    const std::filesystem::path file = loaded.folder / v.bond_file;
+    read_bonds(assembly, CsvTable(file, *loaded.units), file.string());
   }
-  if (bond_table && bond_table->find("normal_strength")) {
-    const std::vector<double> normal = bond_table->numbers("normal_strength", "N");
-    assembly.strengths = dem::Strengths{
-        normal,
-        bond_table->find("shear_strength") ? bond_table->numbers("shear_strength", "N") : normal,
-        0};
-  } else
+  if (scene.strength.kind == StrengthKind::none)
+    assembly.strengths.reset();
+  else if (!assembly.strengths)
     assembly.strengths = drawn_strengths(scene, assembly.bonds.id);
   if (scene.load.test == TestKind::particle_loads) {
     if (packing.loads.empty())
-      throw std::runtime_error(fmt::format("{}: Test = particle loads, but the file has no loads "
-                                           "(columns fx_N to mz_N_m)",
-                                           packing.origin));
+      throw std::invalid_argument(fmt::format("{}: Test = particle loads, but the file has no "
+                                              "loads (columns fx_N to mz_N_m)",
+                                              packing.origin));
+    if (!packing.support)
+      throw std::invalid_argument(fmt::format("{}: particle loads need a column 'held' that says "
+                                              "what holds each particle: bottom or free",
+                                              packing.origin));
     assembly.loads = packing.loads;
   }
   assembly.area = std::numbers::pi * v.diameter * v.diameter / 4;
   assembly.gauge_length = v.gauge_length.value_or(packing.platens.high - packing.platens.low);
   dem::validate(assembly);
+  refuse_if_unsupported(assembly);
   return specimen;
 }
 

@@ -23,8 +23,12 @@ struct Packing {
 dem::PackingRequest packing_request(const Scene& scene);
 
 /// Makes or reads the packing of a scene.
-/// \throws std::invalid_argument or std::runtime_error with file and line
+/// \throws std::invalid_argument with file and line
 Packing make_packing(const LoadedScene& scene);
+
+/// Content of the particle and bond files that a scene names, as a short text: equal for equal
+/// files.
+std::string files_fingerprint(const LoadedScene& scene);
 
 /// What a stored packing was made from: the keys of the section Specimen that matter for it.
 std::string packing_recipe(const Scene& scene);
@@ -32,8 +36,13 @@ std::string packing_recipe(const Scene& scene);
 void write_packing(const std::filesystem::path& file, const Packing& packing,
                    const std::string& recipe);
 
-/// \throws std::runtime_error if the file is damaged or, for a given recipe, was made from another
+/// \throws std::invalid_argument if the file is damaged or, for a given recipe, was made from another
 Packing read_packing(const std::filesystem::path& file, const std::optional<std::string>& recipe);
+
+/// The laws of the sections Bonds and 'Bond law NAME', in the order of their names, with
+/// viscosities at a temperature shift a_T.
+/// \throws std::invalid_argument naming the constant that cannot be
+std::vector<dem::BondLaw> bond_laws(const Scene& scene, double viscosity_shift);
 
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {

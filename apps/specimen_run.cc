@@ -1,8 +1,8 @@
 #include "apps/specimen_run.h"
 
+#include "apps/linear_run.h"
 #include "dem/dynamics.h"
 #include "dem/events.h"
-#include "dem/linear.h"
 #include "dem/storage.h"
 
 #include <fmt/format.h>
@@ -27,78 +27,6 @@ public:
 
 private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// Snapshot of a network from its dofs.
-Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
-                          std::span<const dem::BondStatus> status, const Eigen::VectorXd& dofs,
-                          const Eigen::VectorXd& elastic)
-{
-  Snapshot snapshot{time, {}, {}, {}, {}, {}};
-  for (std::size_t i = 0; i < network.radius.size(); ++i) {
-    const dem::ParticleMotion m = dem::motion(network, dofs, dem::Index(i));
-    snapshot.displacement.push_back(m.displacement);
-    snapshot.rotation.push_back(m.rotation);
-  }
-  for (std::size_t b = 0; b < network.bonds.size(); ++b) {
-    const dem::BondLoad load = dem::bond_load(
-        network.bonds[b], status[b], dem::deformation(network, network.bonds[b], elastic));
-    snapshot.force.push_back(load.force);
-    snapshot.moment.push_back(load.moment);
-    snapshot.state.push_back(std::uint8_t(status[b]));
-  }
-  return snapshot;
-}
-
-class LinearRun : public SpecimenRun {
-public:
-  LinearRun(const dem::Assembly& assembly, const dem::Loading& loading, double strain_limit)
-      : model_(dem::make_linear_model(assembly)), loading_(loading), limit_(strain_limit)
-  {
-  }
-  void work_towards(double time) override
-  {
-    time_ = time;
-    if (std::abs(strain(time)) >= limit_)
-      end_ = dem::RunEnd::strain_limit;
-    else if (time >= dem::end_time(loading_))
-      end_ = dem::RunEnd::finished;
-  }
-  bool reached(double time) const override { return time_ >= time; }
-  bool ended() const override { return end_ != dem::RunEnd::running; }
-  dem::RunEnd end() const override { return end_; }
-  std::string end_reason() const override { return {}; }
-  double time() const override { return time_; }
-  dem::Response response(double time) const override
-  {
-    const dem::LinearResponse r = dem::linear_response(model_, loading_, time);
-    return {time, r.force, strain(time), 0, 1, model_.compliance, 0};
-  }
-  Snapshot snapshot(double time) const override
-  {
-    const std::vector<dem::BondStatus> intact(model_.network.bonds.size(), dem::BondStatus::intact);
-    return network_snapshot(model_.network, time, intact,
-                            dem::displacements(model_, loading_, time),
-                            dem::elastic_displacements(model_, loading_, time));
-  }
-  const std::vector<dem::Breakage>& breakages() const override { return none_; }
-  void save(dem::Hdf5File& file) const override { file.write("state/time", std::vector{time_}, "s"); }
-  void load(const dem::Hdf5File& file) override { time_ = file.read_doubles("state/time").at(0); }
-  std::string statistics() const override { return "1 elastic solution"; }
-  bool work_is_even_in_time() const override { return false; }
-
-private:
-  double strain(double time) const
-  {
-    return dem::linear_response(model_, loading_, time).displacement / model_.gauge_length;
-  }
-
-  dem::LinearModel model_;
-  dem::Loading loading_;
-  double limit_;
-  double time_ = -1;
-  dem::RunEnd end_ = dem::RunEnd::running;
-  std::vector<dem::Breakage> none_;
 };
 
 class EventsRun : public SpecimenRun {
@@ -161,8 +89,13 @@ public:
       state_ = dem::advance(model_, std::move(state_), std::min(256L, steps_to(time)), n_threads_);
   }
   bool reached(double time) const override { return steps_to(time) <= 0; }
-  bool ended() const override { return state_.end != dem::RunEnd::running; }
-  dem::RunEnd end() const override { return state_.end; }
+  bool ended() const override { return end() != dem::RunEnd::running; }
+  dem::RunEnd end() const override
+  {
+    if (state_.end == dem::RunEnd::running && reached(dem::end_time(model_.loading)))
+      return dem::RunEnd::finished; // the solver itself looks now and then only
+    return state_.end;
+  }
   std::string end_reason() const override { return {}; }
   double time() const override { return dem::real_time(model_, state_); }
   dem::Response response(double) const override { return dem::response(model_, state_); }
@@ -280,7 +213,7 @@ std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
                                       int n_threads)
 {
   if (solver == SolverChoice::linear)
-    return std::make_unique<LinearRun>(assembly, loading, scene.load.strain_limit);
+    return make_linear_run(assembly, loading, scene.strength.rate_law, scene.load.strain_limit);
   if (solver == SolverChoice::events)
     return std::make_unique<EventsRun>(
         dem::make_events_model(assembly, loading, scene.strength.rate_law,

@@ -1,5 +1,6 @@
 #include "apps/study.h"
 
+#include "apps/checkpoint.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
@@ -18,8 +19,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <map>
+#include <stdexcept>
 
 namespace apps {
 
@@ -47,32 +48,60 @@ bool has_result(const std::filesystem::path& folder)
   }
 }
 
-/// A value as a part of a file name: "400 kPa" is "400-kPa".
-std::string as_file_name(const std::string& value)
+/// A value as the name of a folder: "400 kPa" is "400-kPa".
+std::string as_folder_name(const std::string& value)
 {
   std::string name;
   for (const char c : value)
     name += std::isalnum(static_cast<unsigned char>(c)) || c == '.' ? c : '-';
-  return name;
+  const bool plain = !name.empty() && std::isalnum(static_cast<unsigned char>(name.front()));
+  return plain ? name : "run" + name; // no hidden folders, none that looks like an option
 }
 
-/// The command of one run.
-std::vector<std::string> command_for(const StudyRun& run, const std::filesystem::path& folder,
-                                     const std::filesystem::path& scene, bool with_packing,
-                                     bool resume)
+/// The scene of one run: nothing of the study is left in it, and its files have full names.
+LoadedScene scene_of(const LoadedScene& study, const StudyRun& run,
+                     const std::filesystem::path& folder)
 {
-  const std::filesystem::path own = folder / run.name;
-  std::vector<std::string> command{own_executable().string(), "run", "--report"};
-  if (resume && std::filesystem::exists(own / "checkpoint.h5")) {
-    command.insert(command.end(), {"--resume", (own / "checkpoint.h5").string()});
+  std::vector<std::string> settings{run.override_text, "Study/Vary =", "Study/Values =",
+                                    "Output/Folder = " + absolute_folder(folder / run.name).string()};
+  const std::string text = study.schema->print(false), name = run.name + ".scene";
+  const LoadedScene varied = load_scene_text(text, name, study.folder, settings);
+  const auto full_name = [&](const std::string& file) {
+    return file.empty() ? "" : (absolute_folder(study.folder) / file).string();
+  };
+  settings.push_back("Specimen/File = " + full_name(varied.scene->specimen.file));
+  settings.push_back("Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file));
+  return load_scene_text(text, name, study.folder, settings);
+}
+
+/// What all runs of a study have in common.
+struct Setting {
+  std::filesystem::path folder;
+  std::optional<std::filesystem::path> packing;
+  int n_threads; ///< of one run
+  const std::vector<std::string>& overrides;
+  bool resume;
+};
+
+/// The command of one run, whose scene is written into its folder.
+std::vector<std::string> command_for(const StudyRun& run, const LoadedScene& scene,
+                                     const Setting& setting)
+{
+  const std::filesystem::path own = setting.folder / run.name;
+  std::vector<std::string> command{own_executable().string(), "run", "--report", "--threads",
+                                   std::to_string(setting.n_threads)};
+  if (setting.resume && has_checkpoint(own)) {
+    command.insert(command.end(), {"--resume", checkpoint_file(own).string()});
+    for (const std::string& each : setting.overrides)
+      command.insert(command.end(), {"--set", each});
     return command;
   }
-  command.push_back(scene.string());
-  command.insert(command.end(), {"--set", run.override_text});
-  command.insert(command.end(), {"--set", "Output/Folder = " + own.string()});
-  command.insert(command.end(), {"--set", "Study/Vary =", "--set", "Study/Values ="});
-  if (with_packing)
-    command.insert(command.end(), {"--packing", (folder / packing_file).string()});
+  const std::filesystem::path file = own / (run.name + ".scene");
+  remove_checkpoints(own);
+  write_text_file(file, scene.schema->print(false));
+  command.push_back(file.string());
+  if (setting.packing)
+    command.insert(command.end(), {"--packing", setting.packing->string()});
   return command;
 }
 
@@ -167,26 +196,64 @@ private:
   bool told_children_ = false;
 };
 
-/// The packing that all runs share, unless the study varies it.
-bool prepare_packing(const LoadedScene& scene, const std::filesystem::path& folder)
+/// The packing that all runs share, if they do: the one given, or one in the folder.
+std::optional<std::filesystem::path> prepare_packing(const std::vector<LoadedScene>& scenes,
+                                                     const std::filesystem::path& folder,
+                                                     const RunOptions& options)
 {
-  const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
-  if (!generated || scene.scene->study.vary.starts_with("Specimen/"))
-    return false;
-  const std::string recipe = packing_recipe(*scene.scene);
-  const std::filesystem::path file = folder / packing_file;
+  const std::string recipe = packing_recipe(*scenes.front().scene);
+  const bool shared = std::ranges::all_of(scenes, [&](const LoadedScene& each) {
+    return each.scene->specimen.source == SpecimenSource::generate &&
+           packing_recipe(*each.scene) == recipe;
+  });
+  if (options.packing && !shared)
+    throw std::invalid_argument("--packing: the runs of this study do not share a packing");
+  if (!shared)
+    return std::nullopt;
+  const std::filesystem::path file = options.packing.value_or(folder / packing_file);
   try {
     read_packing(file, recipe);
     fmt::print("packing: {} is up to date\n", file.string());
-  } catch (const std::runtime_error&) {
-    fmt::print("packing: {} spheres ...\n", scene.scene->specimen.n_particles);
+  } catch (const std::invalid_argument&) {
+    if (options.packing)
+      throw;
+    fmt::print("packing: {} spheres ...\n", scenes.front().scene->specimen.n_particles);
     std::fflush(stdout);
-    const Packing packing = make_packing(scene);
+    const Packing packing = make_packing(scenes.front());
     write_packing(file, packing, recipe);
-    fmt::print("{}", packing_report(*scene.scene, packing));
+    fmt::print("{}", packing_report(*scenes.front().scene, packing));
   }
-  return true;
+  return file;
 }
+
+/// The exit code of a study from those of its runs; those that did not start count as interrupted.
+int worst_code(const std::vector<StudyRun>& runs, const std::map<std::string, int>& exit_codes)
+{
+  int worst = exit_ok;
+  for (const StudyRun& run : runs) {
+    const auto code = exit_codes.find(run.name);
+    const int ended = code == exit_codes.end() ? int(exit_interrupted) : code->second;
+    if (ended > exit_lost_equilibrium) // killed
+      worst = std::max(worst, int(exit_failure));
+    else if (ended != exit_lost_equilibrium)
+      worst = std::max(worst, ended);
+  }
+  return worst;
+}
+
+/// What is noted behind a mark in the head of a stored study.
+std::string noted(const std::string& text, const std::string& mark)
+{
+  const std::size_t found = text.find(mark);
+  if (found == std::string::npos)
+    throw std::invalid_argument(
+        fmt::format("{}: '{}' is missing: was it changed?", study_scene, mark));
+  const std::size_t begin = found + mark.size();
+  return text.substr(begin, text.find('\n', begin) - begin);
+}
+
+constexpr const char* folder_mark = "# folder of the files that the scene names: ";
+constexpr const char* name_mark = "# name: ";
 
 } // namespace
 
@@ -196,9 +263,12 @@ std::vector<StudyRun> study_runs(const Scene& scene)
   const std::string& vary = scene.study.vary;
   if (vary.empty())
     return runs;
-  const std::string key = vary.substr(vary.rfind('/') + 1);
-  for (const std::string& value : split(scene.study.values, ','))
-    runs.push_back({as_file_name(value), vary + " = " + value});
+  for (const std::string& value : split(scene.study.values, ',')) {
+    std::string name = as_folder_name(value);
+    while (std::ranges::find(runs, name, &StudyRun::name) != runs.end())
+      name += "-";
+    runs.push_back({name, value, vary + " = " + value});
+  }
   return runs;
 }
 
@@ -210,11 +280,10 @@ std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file
   for (const StudyRun& run : runs) {
     std::vector<std::string> all = overrides;
     all.push_back(run.override_text);
-    for (Diagnostic& each : load_scene(scene_file, all).diagnostics)
-      if (each.place == "--set" && each.kind == Diagnostic::Kind::error) {
-        each.place = "Study/Values";
-        problems.push_back(each);
-      }
+    for (const Diagnostic& each : load_scene(scene_file, all).diagnostics)
+      if (each.kind == Diagnostic::Kind::error)
+        problems.push_back({each.kind, each.place == "--set" ? "Study" : each.place,
+                            fmt::format("run '{}': {}", run.value, each.message)});
   }
   return problems;
 }
@@ -223,46 +292,36 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
 {
   const std::vector<StudyRun> runs = study_runs(*scene.scene);
   const std::filesystem::path folder = result_folder(scene);
-  std::filesystem::create_directories(folder);
+  require_writable(folder);
   write_text_file(folder / study_scene,
-                  fmt::format("# folder of the files that the scene names: {}\n# name: {}\n{}",
-                              std::filesystem::absolute(scene.folder).string(), scene.name,
-                              scene.schema->print(false)));
-  fmt::print("{}: study of {} runs, {} at a time\n", scene.name, runs.size(), options.n_threads);
-  const bool with_packing = prepare_packing(scene, folder);
-
-  // The children read the scene as it stands now, next to the files it names.
-  const std::filesystem::path child_scene =
-      std::filesystem::absolute(scene.folder) / fmt::format(".{}.{}.scene", scene.name, ::getpid());
-  write_text_file(child_scene, scene.schema->print(false));
+                  fmt::format("{}{}\n{}{}\n{}", folder_mark, absolute_folder(scene.folder).string(),
+                              name_mark, scene.name, scene.schema->print(false)));
+  const int at_a_time = std::clamp(options.n_threads, 1, int(runs.size()));
+  fmt::print("{}: study of {} runs, {} at a time\n", scene.name, runs.size(), at_a_time);
+  std::vector<LoadedScene> scenes;
+  for (const StudyRun& run : runs)
+    scenes.push_back(scene_of(scene, run, folder));
+  const Setting setting{folder, prepare_packing(scenes, folder, options),
+                        std::max(1, options.n_threads / at_a_time), options.overrides, resume};
   Pool pool(folder, runs.size(), options);
-  for (const StudyRun& run : runs) {
-    if (interrupted())
-      break;
-    if (resume && has_result(folder / run.name)) {
-      fmt::print("{}: finished before\n", run.name);
-      pool.exit_codes[run.name] = exit_ok;
+  for (std::size_t k = 0; k < runs.size() && !interrupted(); ++k) {
+    if (resume && has_result(folder / runs[k].name)) {
+      fmt::print("{}: finished before\n", runs[k].name);
+      pool.exit_codes[runs[k].name] = exit_ok;
       continue;
     }
     std::error_code ignored;
-    std::filesystem::remove(folder / run.name / "result.h5", ignored);
-    pool.wait_for_room(std::size_t(std::max(1, options.n_threads)) - 1);
+    std::filesystem::remove(folder / runs[k].name / "result.h5", ignored);
+    pool.wait_for_room(std::size_t(at_a_time) - 1);
     if (!interrupted())
-      pool.start(run, command_for(run, folder, child_scene, with_packing, resume));
+      pool.start(runs[k], command_for(runs[k], scenes[k], setting));
   }
   pool.wait_for_room(0);
-  std::filesystem::remove(child_scene);
 
-  int worst = exit_ok;
   std::vector<std::filesystem::path> results;
-  for (const StudyRun& run : runs) {
-    const auto code = pool.exit_codes.find(run.name);
-    const int ended = code == pool.exit_codes.end() ? exit_interrupted : code->second;
-    if (ended != exit_ok && ended != exit_lost_equilibrium)
-      worst = std::max(worst, ended);
+  for (const StudyRun& run : runs)
     if (has_result(folder / run.name))
       results.push_back(folder / run.name);
-  }
   if (interrupted()) {
     fmt::print("{}: interrupted; to go on: mastic run --resume {}\n", scene.name, folder.string());
     return exit_interrupted;
@@ -272,20 +331,18 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
       fmt::print("figure {}\n", figure);
   fmt::print("{}: {} of {} runs finished, results in {}\n", scene.name, results.size(),
              runs.size(), folder.string());
-  return worst;
+  return worst_code(runs, pool.exit_codes);
 }
 
 int resume_study(const std::filesystem::path& folder, const RunOptions& options)
 {
+  refuse_other_options(options);
   const std::string text = read_text_file(folder / study_scene);
-  const auto after = [&](const std::string& mark) {
-    const std::size_t begin = text.find(mark) + mark.size();
-    return text.substr(begin, text.find('\n', begin) - begin);
-  };
   std::vector<std::string> overrides = options.overrides;
   overrides.push_back("Output/Folder = " + folder.string());
-  LoadedScene scene = load_scene_text(text, after("# name: ") + ".scene",
-                                      after("the scene names: "), overrides);
+  LoadedScene scene =
+      load_scene_text(text, study_scene, noted(text, folder_mark), overrides);
+  scene.name = noted(text, name_mark);
   print_diagnostics(scene.diagnostics);
   if (scene.has_errors())
     return exit_input;

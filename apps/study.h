@@ -9,7 +9,8 @@ namespace apps {
 
 /// One run of a study: its name and what makes it differ from the scene.
 struct StudyRun {
-  std::string name;
+  std::string name;          ///< of its folder
+  std::string value;         ///< of the key that is varied
   std::string override_text; ///< "Section/Key = value"
 };
 
@@ -21,8 +22,8 @@ std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file
                                          const std::vector<std::string>& overrides,
                                          const std::vector<StudyRun>& runs);
 
-/// Runs a study: each run in a process and a folder of its own, `n_threads` at a time, and figures
-/// of all runs together. Runs that have finished before are kept when it is resumed.
+/// Runs a study: each run in a process and a folder of its own, as many at a time as there are
+/// threads, and figures of all runs together. Runs that have finished before are kept when it is resumed.
 /// \return the exit code
 int run_study(LoadedScene scene, const RunOptions& options, bool resume);
 

@@ -1,16 +1,17 @@
 #include "apps/verbs.h"
 
+#include "apps/checkpoint.h"
 #include "apps/files.h"
 #include "apps/plot.h"
 #include "apps/study.h"
 #include "apps/text.h"
-#include "dem/hdf5_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <stdexcept>
 
@@ -29,30 +30,43 @@ std::filesystem::path existing(const std::string& name, const char* what)
 std::filesystem::path result_file(const std::string& name)
 {
   const std::filesystem::path path = existing(name, "file or folder");
-  return std::filesystem::is_directory(path) ? path / "result.h5" : path;
+  if (!std::filesystem::is_directory(path))
+    return path;
+  if (!std::filesystem::exists(path / "result.h5"))
+    throw std::invalid_argument(fmt::format("{}: there is no result.h5 in it", name));
+  return path / "result.h5";
 }
 
-dem::Hdf5File open_result(const std::string& name)
+/// The result folders that a name stands for: one, or those of a study.
+std::vector<std::filesystem::path> result_folders(const std::string& name)
 {
-  dem::Hdf5File file = dem::Hdf5File::open(result_file(name));
-  if (!file.is_complete() || file.text_attribute("", "kind") != "result")
-    throw std::invalid_argument(fmt::format("{}: this is not a result of 'mastic run'", name));
-  return file;
+  const std::filesystem::path path = existing(name, "file or folder");
+  std::vector<std::filesystem::path> folders;
+  if (!std::filesystem::is_directory(path))
+    folders.push_back(absolute_folder(path.parent_path()));
+  else if (std::filesystem::exists(path / "result.h5"))
+    folders.push_back(path);
+  else
+    for (const auto& inside : std::filesystem::directory_iterator(path))
+      folders.push_back(inside.path());
+  std::erase_if(folders, [](const std::filesystem::path& folder) {
+    return !std::filesystem::exists(folder / "result.h5");
+  });
+  if (folders.empty())
+    throw std::invalid_argument(fmt::format("{}: there are no results in it", name));
+  std::ranges::sort(folders, {}, [](const std::filesystem::path& p) { // 400-kPa before 1000-kPa
+    return std::pair(std::atof(p.filename().c_str()), p);
+  });
+  return folders;
 }
 
-/// Columns of a group, those that every table begins with first.
+/// Columns of a group.
 std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group)
 {
   std::vector<Column> columns;
-  for (const std::string& name : file.members(group))
+  for (const std::string& name : split(file.text_attribute(group, "columns"), ','))
     columns.push_back({name, file.text_attribute(group + "/" + name, "unit"),
                        file.read_doubles(group + "/" + name)});
-  const std::vector<std::string> first{"time_s",           "frequency_Hz",
-                                       "axial_stress_kPa", "axial_strain_percent",
-                                       "pass",             "bond"};
-  std::ranges::stable_sort(columns, {}, [&](const Column& c) {
-    return std::find(first.begin(), first.end(), c.name) - first.begin();
-  });
   return columns;
 }
 
@@ -113,6 +127,20 @@ std::string packing_csv(const Packing& packing)
   return csv(columns);
 }
 
+/// Goes on with a run or a study, from its folder or from a checkpoint.
+int resume_from(const std::filesystem::path& from, const RunOptions& options)
+{
+  if (!std::filesystem::is_directory(from))
+    return resume_run(from, options);
+  if (std::filesystem::exists(from / "study.scene"))
+    return resume_study(from, options);
+  if (!has_checkpoint(from))
+    throw std::invalid_argument(fmt::format(
+        "{}: there is no checkpoint in it{}", from.string(),
+        std::filesystem::exists(from / "result.h5") ? "; the run has come to its end" : ""));
+  return resume_run(checkpoint_file(from), options);
+}
+
 } // namespace
 
 int run_verb(const std::string& scene, const std::string& resume, const std::string& packing,
@@ -122,12 +150,8 @@ int run_verb(const std::string& scene, const std::string& resume, const std::str
     throw std::invalid_argument("run needs either a scene file or --resume");
   if (!packing.empty())
     options.packing = existing(packing, "file");
-  if (!resume.empty()) {
-    const std::filesystem::path from = existing(resume, "file or folder");
-    if (std::filesystem::is_directory(from) && std::filesystem::exists(from / "study.scene"))
-      return resume_study(from, options);
-    return resume_run(std::filesystem::is_directory(from) ? from / "checkpoint.h5" : from, options);
-  }
+  if (!resume.empty())
+    return resume_from(resume, options);
   existing(scene, "file");
   LoadedScene loaded = load_scene(scene, options.overrides);
   const std::vector<StudyRun> runs =
@@ -231,22 +255,13 @@ int new_verb(const std::string& kind)
 int plot_verb(const std::vector<std::string>& results, const std::string& output)
 {
   std::vector<std::filesystem::path> folders;
-  for (const std::string& each : results) {
-    const std::filesystem::path path = existing(each, "file or folder");
-    if (std::filesystem::is_directory(path) && !std::filesystem::exists(path / "result.h5")) {
-      for (const auto& inside : std::filesystem::directory_iterator(path)) // a study
-        if (std::filesystem::exists(inside.path() / "result.h5"))
-          folders.push_back(inside.path());
-    } else
-      folders.push_back(std::filesystem::is_directory(path) ? path : path.parent_path());
-  }
-  if (folders.empty())
-    throw std::invalid_argument(fmt::format("{}: there are no results in it", results[0]));
-  std::ranges::sort(folders);
+  for (const std::string& each : results)
+    for (std::filesystem::path& folder : result_folders(each))
+      folders.push_back(std::move(folder));
   std::filesystem::path target = output;
   if (output.empty())
     target = std::filesystem::is_directory(results[0]) ? results[0] : folders[0].string();
-  std::filesystem::create_directories(target);
+  make_folder(target);
   const std::vector<std::string> figures = make_figures(folders, target);
   for (const std::string& figure : figures)
     fmt::print("{}\n", figure);
@@ -263,7 +278,7 @@ int export_verb(const std::string& result, const std::string& table, const std::
         "there is no table '{}'; tables: history, breakages, particles, bonds, complex_modulus{}",
         table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
   }
-  const dem::Hdf5File file = open_result(result);
+  const dem::Hdf5File file = open_stored(result_file(result), "result");
   std::vector<Column> columns;
   if (table == "particles" || table == "bonds") {
     const Snapshot snapshot = read_snapshot(file, snapshot_group(file, time));
@@ -280,10 +295,10 @@ int export_verb(const std::string& result, const std::string& table, const std::
 
 int info_verb(const std::string& name)
 {
-  const std::filesystem::path path = result_file(name);
-  const dem::Hdf5File file = dem::Hdf5File::open(path);
-  if (!file.is_complete())
-    throw std::invalid_argument(fmt::format("{}: the file is cut off", path.string()));
+  const bool unfinished = std::filesystem::is_directory(name) && has_checkpoint(name) &&
+                          !std::filesystem::exists(std::filesystem::path(name) / "result.h5");
+  const std::filesystem::path path = unfinished ? checkpoint_file(name) : result_file(name);
+  const dem::Hdf5File file = open_stored(path, "");
   const std::string kind = file.text_attribute("", "kind");
   fmt::print("{}: {}\n", path.string(), kind);
   if (kind == "packing") {
