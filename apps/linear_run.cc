@@ -19,10 +19,12 @@ public:
   }
   void work_towards(double time) override
   {
+    const double before = std::max(time_, loading_.points.front().time);
     time_ = time;
-    if (std::abs(strain(time)) >= limit_)
+    if (std::abs(strain(time)) >= limit_) {
+      time_ = first_beyond_limit(before, time);
       end_ = dem::RunEnd::strain_limit;
-    else if (time >= dem::end_time(loading_))
+    } else if (time >= dem::end_time(loading_))
       end_ = dem::RunEnd::finished;
   }
   bool reached(double time) const override { return time_ >= time; }
@@ -54,6 +56,16 @@ private:
   double strain(double time) const
   {
     return dem::linear_response(model_, loading_, time).displacement / model_.gauge_length;
+  }
+
+  /// Time at which the strain reaches its limit, between one within it and one beyond.
+  double first_beyond_limit(double within, double beyond) const
+  {
+    if (std::abs(strain(within)) >= limit_)
+      return within;
+    for (double middle; (middle = within + 0.5 * (beyond - within)) > within && middle < beyond;)
+      (std::abs(strain(middle)) >= limit_ ? beyond : within) = middle;
+    return beyond;
   }
 
   /// Sum over the jumps of the load up to a time.

@@ -205,7 +205,7 @@ def name_results(results):
 
 def joined(texts, most=4):
     """The different ones among texts, in one line."""
-    texts = list(dict.fromkeys(texts))
+    texts = list(dict.fromkeys(filter(None, texts)))
     return "; ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
 
 

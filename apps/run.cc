@@ -25,11 +25,18 @@ void say(const std::string& line)
   std::fflush(stdout);
 }
 
+/// Strain, compression positive [%]; 0 without a sign.
+double compressive_percent(const dem::Response& response)
+{
+  return 0.0 - 100 * response.strain;
+}
+
 /// One line about the present state.
 std::string state_text(const RunInProgress& r, double time)
 {
   const dem::Response now = r.record.history.empty() ? dem::Response{} : r.record.history.back();
-  return fmt::format("t = {:.4g} s, strain {:.3f} %, {} broken", time, -100 * now.strain,
+  return fmt::format("t = {:.4g} s, strain {:.3g} %, {} broken", time,
+                     compressive_percent(now),
                      r.run->breakages().size());
 }
 
@@ -97,15 +104,15 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
   std::string ending = name_of(r.run->end());
   if (!r.run->end_reason().empty())
     ending += ": " + r.run->end_reason();
-  say(fmt::format("  ended at t = {:.6g} s: {}; strain {:.4f} %, {} of {} bonds broken", last.time,
-                  ending, -100 * last.strain, r.run->breakages().size(),
+  say(fmt::format("  ended at t = {:.6g} s: {}; strain {:.4g} %, {} of {} bonds broken", last.time,
+                  ending, compressive_percent(last), r.run->breakages().size(),
                   r.specimen.assembly.bonds.size()));
   say("  " + r.run->statistics());
   say(fmt::format("  solved in {}", duration_text(r.wall_time_before)));
   if (r.decision.solver != SolverChoice::dynamic && std::abs(last.strain) > 0.02)
-    say(fmt::format("  note: this solver takes displacements as small; at {:.1f} % strain the "
+    say(fmt::format("  note: this solver takes displacements as small; at {:.2g} % strain the "
                     "change of geometry that it leaves out is of that order",
-                    -100 * last.strain));
+                    std::abs(100 * last.strain)));
   write_results(r, folder, r.wall_time_before);
   if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)
     print_scaling_audit(r, folder);

@@ -116,8 +116,14 @@ void check_laws(const Scene& scene, Findings& findings)
 {
   if (findings.has_errors())
     return; // laws may not be possible
+  double shift = 1;
   try {
-    const std::vector<dem::BondLaw> laws = bond_laws(scene, 1);
+    shift = viscosity_shift(scene);
+  } catch (const std::invalid_argument& problem) {
+    findings.error("Temperature/Temperature", problem.what());
+  }
+  try {
+    const std::vector<dem::BondLaw> laws = bond_laws(scene, shift);
     if ((scene.solver == SolverChoice::linear || scene.solver == SolverChoice::events) &&
         !dem::proportional_laws(laws))
       findings.error("Solver", "the bonds follow several laws that are not proportional, so that "
@@ -194,6 +200,27 @@ void check_solver(const Scene& scene, Findings& findings)
     findings.error("Bonds/After breakage", "friction needs the solver dynamic");
 }
 
+/// End of the load history [s].
+double end_time(const Scene::Load& v)
+{
+  if (v.test == TestKind::constant_rate)
+    return v.end_strain.value_or(0) / std::abs(v.strain_rate);
+  if (v.test == TestKind::stress_history)
+    return v.stress_history.empty() ? 0 : v.stress_history.back().first;
+  if (v.test == TestKind::strain_history)
+    return v.strain_history.empty() ? 0 : v.strain_history.back().first;
+  return v.end_time;
+}
+
+void check_output(const Scene& scene, Findings& findings)
+{
+  const double end = end_time(scene.load);
+  for (const double time : scene.output.snapshot_times)
+    if (time > end)
+      findings.tell(Diagnostic::Kind::warning, "Output/Snapshot times",
+                    fmt::format("{:g} s comes after the end of the test at {:g} s", time, end));
+}
+
 void check_study(const Scene& scene, Findings& findings)
 {
   const Scene::Study& v = scene.study;
@@ -229,6 +256,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
   check_strength(scene, findings);
   check_loading(scene, findings);
   check_solver(scene, findings);
+  check_output(scene, findings);
   check_study(scene, findings);
   return findings.list;
 }

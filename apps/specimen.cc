@@ -24,21 +24,21 @@ dem::TemperatureShift temperature_shift(const Scene::Temperature& v)
   return std::monostate{};
 }
 
-dem::BondLaw bond_law(const BondLawInput& input, double viscosity_shift)
+dem::BondLaw bond_law(const BondLawInput& input, double shift)
 {
   std::vector<dem::KelvinBranch> branches;
   for (std::size_t k = 0; k < input.kelvin_stiffness.size(); ++k)
     branches.push_back({input.kelvin_stiffness[k], input.kelvin_viscosity[k]});
   const dem::CreepLaw law =
       dem::make_creep_law(input.maxwell_stiffness, input.maxwell_viscosity, branches);
-  return {dem::with_viscosities_scaled(law, viscosity_shift), input.normal_to_shear,
+  return {dem::with_viscosities_scaled(law, shift), input.normal_to_shear,
           input.radius_multiplier};
 }
 
 /// The law of section Bonds for all pairs of classes that no other section names.
-void set_laws(dem::Assembly& assembly, const Scene& scene, double viscosity_shift)
+void set_laws(dem::Assembly& assembly, const Scene& scene, double shift)
 {
-  assembly.laws = bond_laws(scene, viscosity_shift);
+  assembly.laws = bond_laws(scene, shift);
   const std::vector<int>& of_particles = assembly.particles.material_class;
   const std::set<int> classes(of_particles.begin(), of_particles.end());
   int law = 0;
@@ -134,11 +134,16 @@ void refuse_if_unsupported(const dem::Assembly& assembly)
 
 } // namespace
 
-std::vector<dem::BondLaw> bond_laws(const Scene& scene, double viscosity_shift)
+double viscosity_shift(const Scene& scene)
 {
-  std::vector<dem::BondLaw> laws{bond_law(scene.bonds, viscosity_shift)};
+  return dem::shift_factor(temperature_shift(scene.temperature), scene.temperature.temperature);
+}
+
+std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift)
+{
+  std::vector<dem::BondLaw> laws{bond_law(scene.bonds, shift)};
   for (const auto& [name, input] : scene.more_bonds)
-    laws.push_back(bond_law(*input, viscosity_shift));
+    laws.push_back(bond_law(*input, shift));
   return laws;
 }
 
@@ -187,8 +192,7 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
   assembly.particles = packing.particles;
   assembly.support = packing.support.value_or(
       dem::platen_supports(packing.particles, packing.platens, v.platen_gap));
-  specimen.viscosity_shift =
-      dem::shift_factor(temperature_shift(scene.temperature), scene.temperature.temperature);
+  specimen.viscosity_shift = viscosity_shift(scene);
   set_laws(assembly, scene, specimen.viscosity_shift);
   if (v.bond_file.empty())
     bond_contacts(specimen, v);

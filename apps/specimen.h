@@ -39,10 +39,14 @@ void write_packing(const std::filesystem::path& file, const Packing& packing,
 /// \throws std::invalid_argument if the file is damaged or, for a given recipe, was made from another
 Packing read_packing(const std::filesystem::path& file, const std::optional<std::string>& recipe);
 
+/// Factor a_T on all viscosities at the temperature of the test.
+/// \throws std::invalid_argument if the shift law does not reach there
+double viscosity_shift(const Scene& scene);
+
 /// The laws of the sections Bonds and 'Bond law NAME', in the order of their names, with
-/// viscosities at a temperature shift a_T.
+/// viscosities times the shift a_T.
 /// \throws std::invalid_argument naming the constant that cannot be
-std::vector<dem::BondLaw> bond_laws(const Scene& scene, double viscosity_shift);
+std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift);
 
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {

@@ -95,9 +95,15 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
       (loading.control == Loading::Control::displacement || loading.true_stress))
     throw std::invalid_argument("loads on particles have a history of their factor only, no "
                                 "displacement or true stress");
-  return {
-      make_network(assembly), network_creep(laws->creep), *assembly.strengths, rate_law, loading,
-      after_breakage,         assembly.gauge_length,      strain_limit};
+  const std::vector<double> endless(assembly.bonds.size(), infinity);
+  return {make_network(assembly),
+          network_creep(laws->creep),
+          assembly.strengths.value_or(Strengths{endless, endless, 0}),
+          rate_law,
+          loading,
+          after_breakage,
+          assembly.gauge_length,
+          strain_limit};
 }
 
 EventsSolver::EventsSolver(const EventsModel& model)

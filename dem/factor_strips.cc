@@ -65,7 +65,7 @@ std::array<Number, width> solve_triangle(const double* triangle, Number* front)
 double* huge_array(std::size_t n)
 {
   constexpr std::size_t page = std::size_t(1) << 21;
-  const std::size_t bytes = (n * sizeof(double) + page - 1) / page * page;
+  const std::size_t bytes = (n * sizeof(double) / page + 1) * page;
   void* memory = std::aligned_alloc(page, bytes);
   if (!memory)
     throw std::bad_alloc();

@@ -156,8 +156,7 @@ TEST(Events, GoldenNetworkCreepsThroughItsThreeBreakages)
 TEST(Events, EqualsTheLinearSolverWithoutBreakages)
 {
   Assembly assembly = random_block(1);
-  assembly.strengths->normal.assign(assembly.bonds.size(), 1e30);
-  assembly.strengths->shear.assign(assembly.bonds.size(), 1e30);
+  assembly.strengths.reset(); // none: unbreakable
   const LinearModel linear = make_linear_model(assembly);
   Loading history{Loading::Control::force,
                   {{0, -10}, {5, -10}, {5, -30}, {20, 15}, {40, 15}, {40, 0}, {100, 0}}};
