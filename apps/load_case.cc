@@ -67,12 +67,15 @@ std::vector<double> history_times(const Scene& scene, const dem::Loading& loadin
   };
   if (scene.load.test == TestKind::creep && scene.load.release_time) { // recovery anew
     series(start, *scene.load.release_time - start);
-    times.push_back(std::nextafter(*scene.load.release_time, start));
     series(*scene.load.release_time, end - *scene.load.release_time);
   } else
     series(start, end - start);
-  for (const dem::LoadPoint& point : loading.points)
-    times.push_back(point.time);
+  for (std::size_t k = 0; k < loading.points.size(); ++k) {
+    const double time = loading.points[k].time;
+    times.push_back(time);
+    if (k > 0 && time == loading.points[k - 1].time) // a jump: what was before it, too
+      times.push_back(std::nextafter(time, start));
+  }
   for (double& time : times)
     time = std::clamp(time, start, end);
   return sorted(times);

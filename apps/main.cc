@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 #include <stdexcept>
@@ -104,6 +105,16 @@ std::string unknown_verb(const CLI::App& app, const std::string& word)
                      close.empty() ? "" : fmt::format("; did you mean '{}'?", close), all);
 }
 
+/// Reports an error and ends the program. At once: after a failed write the clean-up of HDF5 at the
+/// end of a program may crash, which would hide the exit code.
+[[noreturn]] void fail(const std::exception& error, int exit_code)
+{
+  std::fflush(stdout);
+  fmt::print(stderr, "error: {}\n", error.what());
+  std::fflush(stderr);
+  std::_Exit(exit_code);
+}
+
 /// The exit code of an action, unless its output could not be written.
 int finished(int exit_code)
 {
@@ -142,10 +153,8 @@ int main(int argc, char** argv)
   try {
     return finished(action());
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return exit_input;
+    fail(error, exit_input);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return exit_failure;
+    fail(error, exit_failure);
   }
 }

@@ -25,18 +25,20 @@ void say(const std::string& line)
   std::fflush(stdout);
 }
 
-/// Strain, compression positive [%]; 0 without a sign.
-double compressive_percent(const dem::Response& response)
+/// How far the specimen has moved: strain, compression positive, or the displacement of the loads.
+std::string motion_text(const RunInProgress& r, const dem::Response& response)
 {
-  return 0.0 - 100 * response.strain;
+  const double along = 0.0 + response.strain; // 0 without a sign
+  if (dem::loaded_by_platen(r.specimen.assembly))
+    return fmt::format("strain {:.4g} %", 0.0 - 100 * along);
+  return fmt::format("mean displacement {:.4g} mm", 1e3 * r.specimen.assembly.gauge_length * along);
 }
 
 /// One line about the present state.
 std::string state_text(const RunInProgress& r, double time)
 {
   const dem::Response now = r.record.history.empty() ? dem::Response{} : r.record.history.back();
-  return fmt::format("t = {:.4g} s, strain {:.3g} %, {} broken", time,
-                     compressive_percent(now),
+  return fmt::format("t = {:.4g} s, {}, {} broken", time, motion_text(r, now),
                      r.run->breakages().size());
 }
 
@@ -104,14 +106,14 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
   std::string ending = name_of(r.run->end());
   if (!r.run->end_reason().empty())
     ending += ": " + r.run->end_reason();
-  say(fmt::format("  ended at t = {:.6g} s: {}; strain {:.4g} %, {} of {} bonds broken", last.time,
-                  ending, compressive_percent(last), r.run->breakages().size(),
+  say(fmt::format("  ended at t = {:.6g} s: {}; {}, {} of {} bonds broken", last.time, ending,
+                  motion_text(r, last), r.run->breakages().size(),
                   r.specimen.assembly.bonds.size()));
   say("  " + r.run->statistics());
   say(fmt::format("  solved in {}", duration_text(r.wall_time_before)));
   if (r.decision.solver != SolverChoice::dynamic && std::abs(last.strain) > 0.02)
-    say(fmt::format("  note: this solver takes displacements as small; at {:.2g} % strain the "
-                    "change of geometry that it leaves out is of that order",
+    say(fmt::format("  note: this solver takes displacements as small; at {:.2g} % of the gauge "
+                    "length the change of geometry that it leaves out is of that order",
                     std::abs(100 * last.strain)));
   write_results(r, folder, r.wall_time_before);
   if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -82,8 +83,11 @@ std::vector<Column> history_columns(const dem::Assembly& assembly, const RunReco
                              [](const Response& r) { return -100 * r.strain; }));
     columns.push_back(column("strain_rate_per_s", "1/s", rows,
                              [](const Response& r) { return -r.strain_rate; }));
+    double largest = 0;
+    for (const Response& r : rows)
+      largest = std::max(largest, std::abs(r.force));
     columns.push_back(column("creep_compliance_per_GPa", "1/GPa", rows, [&](const Response& r) {
-      return r.force != 0 ? r.strain / (r.force / area) * 1e9 : nan;
+      return std::abs(r.force) > 1e-9 * largest ? r.strain / (r.force / area) * 1e9 : nan;
     }));
     columns.push_back(column("elastic_modulus_MPa", "MPa", rows, [&](const Response& r) {
       return r.compliance > 0 ? length / (area * r.compliance) / 1e6 : nan;
