@@ -9,234 +9,27 @@ written into FOLDER and their paths printed, one a line. Compression is positive
 import functools
 import logging
 import os
-import re
 import sys
 import textwrap
 import warnings
-from collections import namedtuple
 from pathlib import Path
 
 logging.disable(logging.CRITICAL)  # the caller reads paths and errors only
 try:
-    import h5py
     import matplotlib
     import numpy as np
     from matplotlib.figure import Figure
+
+    from curves import (BINS, BINS_PER_DECADE, FALL, WINDOW, before_collapse, bin_edges, binned_rate,
+                        flow_time, peak, power_law, smoothed_rate)
+    from results import (DISPLACEMENT, STRAIN, Result, joined, name_results, natural_order,
+                         provenance)
 except ImportError as problem:
     sys.exit(f"plot.py: {problem}")
 
-WINDOW, PER_DECADE = 0.1, 100  # of smoothed rates [decades of time], and how many
-BINS_PER_DECADE, BINS = 5, 50  # of breakages, over log time and over time
-FALL = 0.05  # share of the stress that a maximum loses if it is a peak
-COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"]
 STYLE = {"axes.grid": True, "grid.color": "0.88", "axes.axisbelow": True, "lines.linewidth": 1.6,
          "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False}
 WIDTH, PANEL_HEIGHT, LEFT, GAP, DPI = 10.0, 4.6, 0.95, 1.0, 160  # [inches]
-
-Kind = namedtuple("Kind", "name column axis rate_axis factor")
-STRAIN = Kind("strain", "axial_strain_percent", "Axial strain [%], compression positive",
-              "Strain rate [1/s]", 0.01)
-DISPLACEMENT = Kind("displacement", "mean_displacement_mm", "Mean displacement [mm]",
-                    "Displacement rate [mm/s]", 1)
-
-
-def event_order(time, value, n_broken, break_time, break_value):
-    """A curve with its values just before each breakage, in the order in which they happened."""
-    n = np.concatenate([n_broken, np.arange(len(break_time))])
-    time, value = np.concatenate([time, break_time]), np.concatenate([value, break_value])
-    order = np.lexsort((n, time))
-    return time[order], value[order]
-
-
-def before_collapse(time, value):
-    """The curve up to its last instant if it jumps there by a tenth or more; whether it does."""
-    first = int(np.searchsorted(time, time[-1]))
-    jumps = abs(value[-1] - value[first]) > 0.1 * abs(value[-1])
-    return (time[:first + 1], value[:first + 1], True) if jumps else (time, value, False)
-
-
-def smoothed_rate(time, value):
-    """Slopes of chords over windows of WINDOW decades of time, centred in log time.
-
-    Near the end the windows narrow, down to a fifth, so as to stay within the record.
-    """
-    half = 10 ** (WINDOW / 2)
-    first, last = time[time > 0][0] * half, time[-1] / half**0.2
-    if first >= last:
-        return np.empty(0), np.empty(0)
-    centre = np.geomspace(first, last, int(PER_DECADE * np.log10(last / first)) + 2)
-    reach = np.minimum(half, time[-1] / centre)
-    low, high = centre / reach, centre * reach
-    return centre, (np.interp(high, time, value) - np.interp(low, time, value)) / (high - low)
-
-
-def flow_time(rate):
-    """Index of the least smoothed rate if a rise of more than noise follows it, else None.
-
-    The rise, to the last rates, must exceed 10 % and three times the noise: the scatter of log
-    rates about the mean of those a window before and after, in the decade before the minimum.
-    """
-    lag = round(WINDOW * PER_DECADE)
-    if len(rate) <= 2 * lag or not np.all(rate > 0):
-        return None
-    k, y = int(np.argmin(rate)), np.log10(rate)
-    if k == 0 or k >= len(rate) - lag:
-        return None
-    before = y[max(0, k - PER_DECADE):k + 1]
-    bend = before[lag:-lag] - (before[:-2 * lag] + before[2 * lag:]) / 2
-    noise = 1.4826 * np.median(np.abs(bend)) / np.sqrt(1.5) if len(bend) else 0
-    return k if np.median(y[-lag:]) - y[k] > max(np.log10(1.1), 3 * noise) else None
-
-
-def peak(stress):
-    """Index of the largest stress by amount, and whether a fall by FALL follows it."""
-    size = np.abs(stress)
-    k = int(np.argmax(size))
-    return k, bool(size[k:].min() <= (1 - FALL) * size[k])
-
-
-def bin_edges(first, last, logarithmic):
-    """Bins of equal width in time, or in log time."""
-    last *= 1 + 1e-12
-    if logarithmic:
-        n = max(1, round(BINS_PER_DECADE * np.log10(last / first)))
-        return np.geomspace(first, last, n + 1)
-    return np.linspace(first, last, BINS + 1)
-
-
-def binned_rate(times, edges):
-    """Number per time in each bin."""
-    return np.histogram(times, edges)[0] / np.diff(edges)
-
-
-def power_law(x, y):
-    """Exponent and factor of the power law nearest to points in log-log."""
-    exponent, log_factor = np.polyfit(np.log(x), np.log(y), 1)
-    return exponent, np.exp(log_factor)
-
-
-def scene_values(text):
-    """Values of a scene by 'Section/Key'."""
-    values, sections = {}, []
-    for line in text.splitlines():
-        word, _, rest = line.strip().partition(" ")
-        if word == "subsection":
-            sections.append(rest)
-        elif word == "end":
-            sections.pop()
-        elif word == "set":
-            key, _, value = rest.partition("=")
-            values["/".join(sections + [key.strip()])] = value.strip()
-    return values
-
-
-class Result:
-    """What the figures need of one result.h5."""
-
-    def __init__(self, folder):
-        self.folder = Path(folder).resolve()
-        self.label, self.look, self.left_out = "", {"color": COLOURS[0], "ls": "-"}, []
-        if not (self.folder / "result.h5").is_file():
-            raise ValueError(f"{folder}: there is no result.h5 in it")
-        try:
-            with h5py.File(self.folder / "result.h5", "r") as file:
-                self.read(file)
-        except (OSError, KeyError) as error:
-            reason = str(error).strip("'\"").splitlines()[0]
-            raise ValueError(f"{folder}: no result can be read there: {reason}") from None
-
-    def read(self, file):
-        self.about = {name: value.decode() if isinstance(value, bytes) else value
-                      for name, value in file.attrs.items()}
-        if self.about.get("kind") != "result":
-            raise KeyError("result.h5 is of another kind")
-        self.scene = scene_values(bytes(file["scene/resolved"][()]).decode())
-        self.history, self.breakages, self.modulus = (
-            {name: column[()] for name, column in file.get(table, {}).items()}
-            for table in ("history", "breakages", "complex_modulus"))
-        self.n_particles, self.n_bonds = len(file["packing/radius"]), len(file["bonds/id"])
-        self.time, self.end = self.history["time_s"], self.history["time_s"][-1]
-        times = self.breakages["time_s"]
-        times[times < 1e-12 * self.end] = 0  # by the first infinitesimal load
-        self.strain, self.stress = (self.history.get(f"axial_{name}")
-                                    for name in ("strain_percent", "stress_kPa"))
-        self.test = self.scene["Loading/Test"]
-        self.creeps = self.test in ("creep", "particle loads")
-        self.kind = DISPLACEMENT if self.strain is None else STRAIN
-        self.first_time = self.time[self.time > 0].min(initial=np.inf)
-
-    def curve(self):
-        """Times and strains or mean displacements; jumps are sharp where breakages tell them."""
-        value, before = self.history[self.kind.column], self.breakages.get(self.kind.column)
-        if before is None:
-            return self.time, value
-        return event_order(self.time, value, self.history["broken_bonds"],
-                           self.breakages["time_s"], before)
-
-    def loaded(self):
-        """First and last time at which a creep test is under its load."""
-        size = np.abs(self.history["load_factor"] if self.stress is None else self.stress)
-        held = np.flatnonzero(size >= 0.95 * np.median(size[size >= 0.5 * size.max()]))
-        released = self.scene["Loading/Release time"] != "never" and self.test == "creep"
-        return self.time[held[0]], self.time[held[-1]] if released else self.end
-
-    def legend(self, text=""):
-        return ": ".join(part for part in (self.label, text) if part) or None
-
-
-def natural_order(r):
-    """Sorts 400-kPa before 1000-kPa."""
-    number = re.match(r"[-+]?\d+(\.\d*)?([eE][-+]?\d+)?", r.folder.name)
-    return float(number[0]) if number else np.inf, str(r.folder)
-
-
-def name_results(results):
-    """Gives several results their colours and labels; returns the key that a study varied."""
-    varied = [key for key in results[0].scene if all(
-        re.sub(r"[^0-9A-Za-z.]", "-", r.scene.get(key, "")) == r.folder.name for r in results)]
-    alike = len({r.folder.name for r in results}) < len(results)
-    for k, r in enumerate(results if len(results) > 1 else []):
-        name = re.sub(r"^([\d.]+)-([A-Za-z]+)$", r"\1 \2", r.folder.name)
-        r.label = r.scene[varied[0]] if varied else name
-        r.label = f"{r.folder.parent.name}/{name}" if alike else r.label
-        r.look = {"color": COLOURS[k % len(COLOURS)], "ls": ["-", "--", ":"][k // len(COLOURS) % 3]}
-    return varied[0].split("/")[-1] if len(varied) == 1 and len(results) > 1 and not alike else None
-
-
-def joined(texts, most=4):
-    """The different ones among texts, in one line."""
-    texts = list(dict.fromkeys(filter(None, texts)))
-    return "; ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
-
-
-def seeds(r):
-    """Where particles and strengths come from."""
-    parts = [f"packing seed {r.about['packing_seed']:g}" if r.scene["Specimen/Source"] == "generate"
-             else f"particles from {r.scene['Specimen/File']}"]
-    if r.scene["Strength/Distribution"] != "none":
-        parts.append(f"strength seed {r.about['strength_seed']:g}")
-    return ", ".join(parts)
-
-
-def provenance(results):
-    """Lines of small print: what was simulated, how, and on which estimates it rests."""
-    estimates = dict.fromkeys(name for r in results if r.about["estimated_values"] != "none"
-                              for name in r.about["estimated_values"].split(", "))
-    loads = {"creep": "Loading/Axial stress", "constant rate": "Loading/Strain rate"}
-    facts = [joined(f(r) for r in results) for f in (
-        lambda r: r.folder.name, lambda r: r.test, lambda r: r.scene.get(loads.get(r.test), ""),
-        lambda r: r.scene["Temperature/Temperature"].replace("degC", "\u00b0C"),
-        lambda r: f"solver {r.about['solver']}",
-        lambda r: f"{r.n_particles} particles, {r.n_bonds} bonds", seeds,
-        lambda r: f"{r.about['program']} ({r.about['revision']})")]
-    lines = [f"Result{'s' * (len(results) > 1)}: " + "  |  ".join(filter(None, facts))]
-    if results[0].left_out:
-        lines.append(f"Ended at t = 0 and left out: {joined(results[0].left_out)}.")
-    if estimates:
-        strengths = any(f"Strength/{name}" in results[0].scene for name in estimates)
-        lines.append(f"Creep law{' and strengths' if strengths else ''}: partly estimated values "
-                     f"({', '.join(estimates)}).")
-    return lines
 
 
 def log_label(x, _, form, every):
