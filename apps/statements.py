@@ -62,10 +62,17 @@ def late_breakages(folder):
 
 def no_rupture_at_400(creep):
     folder = creep[400.0]
-    n = len(late_breakages(folder))
-    return ("400 kPa: no rupture within 2000 s, few breakages",
-            f"{'ruptured' if ruptured(folder) else 'no rupture'}, {n} bonds broken after loading",
-            verdict(not ruptured(folder)))
+    return ("400 kPa: no rupture within 2000 s",
+            "ruptured" if ruptured(folder) else "no rupture", verdict(not ruptured(folder)))
+
+
+def few_breakages_at_400(creep):
+    """Few: the paper gives no number; here at most one in fifty."""
+    broken = table(creep[400.0] / "history.csv")["broken_bonds"][-1]
+    late = len(late_breakages(creep[400.0]))
+    return ("400 kPa: few bonds break (here: at most 2 % of 16500)",
+            f"{late} after the load came on, {100 * late / 16500:.1f} %, "
+            f"beside {broken - late:.0f} of next to no strength when it came", verdict(late <= 330))
 
 
 def rupture(creep, stress):
@@ -92,9 +99,10 @@ def most_breakages_at_rupture(creep):
 def peak_stress_per_decade(rates):
     peaks = [table(f / "history.csv")["axial_stress_kPa"].max() for f in rates.values()]
     slope = np.polyfit(np.log10(list(rates)), np.log10(peaks), 1)[0]
-    return ("peak stress grows by 10^0.325 = 2.11 per decade of strain rate",
-            f"{values(np.array(peaks) / 1e3, '.2f')} MPa at {values(rates, 'g')} /s: "
-            f"10^{slope:.3f} = {10**slope:.2f} per decade", verdict(abs(slope - 0.325) < 0.05))
+    return ("peak stress grows by about 10^0.325 = 2.11 per decade of strain rate",
+            f"largest stress up to 5 % strain {values(np.array(peaks) / 1e3, '.2f')} MPa at "
+            f"{values(rates, 'g')} /s: 10^{slope:.3f} = {10**slope:.2f} per decade",
+            verdict(abs(slope - 0.325) < 0.05))
 
 
 def scaling(results):
@@ -115,6 +123,7 @@ def all_statements(results):
         yield most_breakages_at_rupture(creep)
     if 400.0 in creep:
         yield no_rupture_at_400(creep)
+        yield few_breakages_at_400(creep)
     for stress in creep:
         if stress > 400:
             yield rupture(creep, stress)
