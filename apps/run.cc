@@ -180,6 +180,10 @@ void start_run(RunInProgress& r, const RunOptions& options)
   say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
                   r.specimen.assembly.bonds.size(), name_of(r.decision.solver),
                   r.decision.reason));
+  if (r.specimen.assembly.strengths && r.specimen.assembly.strengths->n_nonpositive > 0)
+    say(fmt::format("  {} of the strengths were drawn at or below 0; 'Nonpositive draws' says what "
+                    "they become",
+                    r.specimen.assembly.strengths->n_nonpositive));
   tell_estimates(r.scene);
 }
 

@@ -13,6 +13,9 @@ namespace interrupted {
 /// A checkpoint after each bit of work: so slow that there is time for an interruption.
 inline const std::string slow = "Output/Checkpoint interval = 1e-9 s";
 
+/// The usual pause between checkpoints, for a run that began slow.
+inline const std::string quick = "Output/Checkpoint interval = 60 s";
+
 /// A load that changes 600 times while bonds break.
 inline std::string many_steps()
 {

@@ -26,8 +26,8 @@ subsection Output
 end
 )";
 
-/// Spheres near the sites of a cubic lattice, each bonded to those around it; strengths from 2 to 20
-/// N. Under 1000 kPa bonds break one after the other for three minutes.
+/// Spheres near the sites of a cubic lattice, each bonded to those around it; strengths from 2 to
+/// 20 N. Under 1000 kPa bonds break one after the other for three minutes.
 struct Lattice {
   std::vector<dem::Vec3> centre; ///< [mm]
   std::vector<double> radius;    ///< [mm]

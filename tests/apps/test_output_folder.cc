@@ -50,9 +50,9 @@ TEST(OutputFolder, ThatIsAFileIsRefusedAtOnce)
     EXPECT_EQ(run.output,
               "error: " + name + ": results go into a folder, but " + file + " is a file\n");
   }
-  const Finished study = mastic(folder, with(run_into("particles.csv"),
-                                             {"Study/Vary = Loading/Axial stress",
-                                              "Study/Values = 1 kPa, 2 kPa"}));
+  const Finished study =
+      mastic(folder, with(run_into("particles.csv"),
+                          {"Study/Vary = Loading/Axial stress", "Study/Values = 1 kPa, 2 kPa"}));
   EXPECT_EQ(study.exit_code, 2);
   EXPECT_EQ(n_errors(study.output), 1) << study.output;
 }

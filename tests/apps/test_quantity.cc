@@ -111,7 +111,8 @@ TEST(Quantity, RoundTripsToTheLastDigits)
 
 TEST(Quantity, PrintsNumbersThatComeBackExactly)
 {
-  for (const double value : {0.1, 1.0 / 3, 60.2, 8.2e8, 2.2250738585072014e-308, 1.7976931348623157e308, -0.0})
+  for (const double value :
+       {0.1, 1.0 / 3, 60.2, 8.2e8, 2.2250738585072014e-308, 1.7976931348623157e308, -0.0})
     EXPECT_EQ(std::stod(shortest(value)), value) << shortest(value);
   EXPECT_EQ(shortest(0.1), "0.1");
 }

@@ -131,10 +131,9 @@ TEST(Results, NameColumnsOfParticleLoadsToo)
   networks::write_pair(folder);
   folder.write("particles.csv",
                "x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,bottom,0\n0,0,6,2,free,3.2\n");
-  const Finished done =
-      mastic(folder, with({"run", "net.scene"},
-                          {"Loading/Test = particle loads", "Loading/End time = 0 s",
-                           "Strength/Distribution = none", "Output/Folder = out"}));
+  const Finished done = mastic(
+      folder, with({"run", "net.scene"}, {"Loading/Test = particle loads", "Loading/End time = 0 s",
+                                          "Strength/Distribution = none", "Output/Folder = out"}));
   ASSERT_EQ(done.exit_code, 0) << done.output;
   const std::string history = folder.read("out/history.csv");
   EXPECT_EQ(history.substr(0, history.find('\n')),
@@ -213,8 +212,9 @@ TEST(Results, GiveEveryNumberAUnit)
 {
   const FinishedRun done({"Solver = linear"});
   const dem::Hdf5File file = done.result();
-  const std::set<std::string> counts{"packing/material_class", "bonds/particles", "bonds/law",
-                                     "bonds/id", "scene/as_typed", "scene/resolved"};
+  const std::set<std::string> counts{
+      "packing/material_class", "bonds/particles", "bonds/law", "bonds/id",
+      "scene/as_typed",         "scene/resolved"};
   int n_tested = 0;
   for (const std::string& name : datasets(file, "")) {
     if (counts.contains(name) || name.ends_with("/bond_state"))
@@ -244,8 +244,8 @@ TEST(Results, SayWhereTheyComeFrom)
   EXPECT_EQ(file.number_attribute("", "strength_seed"), 7);
   EXPECT_EQ(file.number_attribute("", "storage_version"), 1);
   EXPECT_TRUE(file.text_attribute("", "estimated_values").starts_with("Maxwell stiffness, "));
-  for (const char* attribute : {"revision", "compiler", "written_utc", "solver_reason",
-                                "solver_statistics", "sign"})
+  for (const char* attribute :
+       {"revision", "compiler", "written_utc", "solver_reason", "solver_statistics", "sign"})
     EXPECT_NE(file.text_attribute("", attribute), "") << attribute;
   EXPECT_EQ(file.read_text("scene/as_typed"), networks::scene);
   EXPECT_TRUE(contains(file.read_text("scene/resolved"), "\n  set Axial stress = 1000 kPa\n"));

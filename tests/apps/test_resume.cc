@@ -10,6 +10,7 @@ using apps::Finished;
 using command::contains;
 using command::mastic;
 using command::with;
+using interrupted::quick;
 using interrupted::slow;
 using interrupted::stopped;
 
@@ -20,6 +21,11 @@ const std::string results = "results/long-0.5/", checkpoint = results + "checkpo
 struct Way {
   std::string solver, threads;
 };
+
+void PrintTo(const Way& way, std::ostream* stream)
+{
+  *stream << way.solver << " on " << way.threads << " threads";
+}
 
 std::vector<std::string> run_arguments(const std::string& threads,
                                        const std::vector<std::string>& settings = {})
@@ -65,7 +71,7 @@ TEST_P(Resume, GoesOnBitForBitAfterEachKindOfStop)
     part = stopped(parts, resume_arguments(threads, {slow}), checkpoint, n, SIGKILL);
     EXPECT_EQ(part.exit_code, 128 + SIGKILL) << part.output;
   }
-  const Finished rest = mastic(parts, resume_arguments(threads));
+  const Finished rest = mastic(parts, resume_arguments(threads, {quick}));
   EXPECT_EQ(rest.exit_code, 0) << rest.output;
   EXPECT_TRUE(contains(rest.output, "long-0.5: resumed from "));
 
@@ -87,15 +93,24 @@ INSTANTIATE_TEST_SUITE_P(Solvers, Resume,
                            return way.param.solver + way.param.threads + "Threads";
                          });
 
-TEST(Checkpoint, TellsHowToGoOn)
+TEST(Checkpoint, TellsHowToGoOnAndIsGoneAtTheEnd)
 {
   const command::Folder folder;
   make_stopped_run(folder, "events");
   const Finished info = mastic(folder, {"info", "results/long-0.5"});
   EXPECT_EQ(info.exit_code, 0);
-  EXPECT_EQ(info.output, checkpoint + ": checkpoint\n  scene long-0.5, solver events\n  to go on: "
-                                      "mastic run --resume " +
+  EXPECT_EQ(info.output, checkpoint +
+                             ": checkpoint\n  scene long-0.5, solver events\n  to go on: "
+                             "mastic run --resume " +
                              checkpoint + "\n");
+  EXPECT_EQ(mastic(folder, resume_arguments("1", {quick})).exit_code, 0);
+  const Finished again = mastic(folder, resume_arguments("1"));
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_EQ(again.output, "error: results/long-0.5: there is no checkpoint in it; the run has come "
+                          "to its end\n");
+  const Finished other = mastic(folder, {"run", "--resume", results + "result.h5"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_EQ(other.output, "error: " + results + "result.h5: this is a result, not a checkpoint\n");
 }
 
 TEST(Checkpoint, GoesOnWithWhatItBeganWith)
@@ -119,20 +134,6 @@ TEST(Checkpoint, GoesOnWithWhatItBeganWith)
                                        "began\n"));
 }
 
-TEST(Checkpoint, IsGoneWhenTheRunHasEnded)
-{
-  const command::Folder folder;
-  make_stopped_run(folder, "events");
-  EXPECT_EQ(mastic(folder, resume_arguments("1")).exit_code, 0);
-  const Finished again = mastic(folder, resume_arguments("1"));
-  EXPECT_EQ(again.exit_code, 2);
-  EXPECT_EQ(again.output, "error: results/long-0.5: there is no checkpoint in it; the run has come "
-                          "to its end\n");
-  const Finished other = mastic(folder, {"run", "--resume", results + "result.h5"});
-  EXPECT_EQ(other.exit_code, 2);
-  EXPECT_EQ(other.output, "error: " + results + "result.h5: this is a result, not a checkpoint\n");
-}
-
 TEST(Checkpoint, IfCutOffIsReplacedByTheOneBefore)
 {
   const command::Folder folder;
@@ -149,7 +150,7 @@ TEST(Checkpoint, IfCutOffIsReplacedByTheOneBefore)
   }
   std::filesystem::remove(file);
   EXPECT_EQ(apps::read_checkpoint(file, {}).run.n_recorded, n_before);
-  const Finished rest = mastic(folder, resume_arguments("1"));
+  const Finished rest = mastic(folder, resume_arguments("1", {quick}));
   EXPECT_EQ(rest.exit_code, 0) << rest.output;
   EXPECT_TRUE(contains(rest.output, "checkpoint.h5: there is no such file\nwarning: taking the "
                                     "checkpoint before it\n"))
@@ -182,8 +183,9 @@ TEST(Checkpoint, WithFlippedBitsIsRefusedOrUnharmed)
   const auto content = [&] {
     const apps::Resumed resumed = apps::read_checkpoint(file, {});
     const apps::RunInProgress& run = resumed.run;
-    std::string text = apps::csv(apps::history_columns(run.specimen.assembly, run.record)) +
-                       apps::csv(apps::breakage_columns(run.specimen.assembly, run.run->breakages()));
+    std::string text =
+        apps::csv(apps::history_columns(run.specimen.assembly, run.record)) +
+        apps::csv(apps::breakage_columns(run.specimen.assembly, run.run->breakages()));
     return text + fmt::format("{} {}", run.n_recorded, run.run->response(run.run->time()).strain);
   };
   const std::string expected = content();

@@ -54,23 +54,24 @@ TEST(Scene, SaysAllThatIsWrongAtOnceWithPlaceKeyAndRange)
                                  "end\n");
   EXPECT_EQ(
       errors(scene),
-      (Lines{"a.scene:1: Solver = event: 'event' is not one of: auto | linear | events | dynamic; "
-             "did you mean 'events'?",
-             "a.scene:3: Diameter = -60 mm: '-60 mm' is out of range, allowed: > 0 mm",
-             "a.scene:4: there is no key 'Solid fracton' in section 'Specimen'; did you mean 'Solid "
-             "fraction'?",
-             "a.scene:5: Particles = 600.5: '600.5' is not a whole number; expected: a whole "
-             "number, >= 1",
-             "a.scene:6: Height = 120 kg: 'kg' cannot be converted to mm; expected: in mm, > 0",
-             "a.scene:9: there is no section 'Loadings'; did you mean 'Loading'?",
-             "a.scene:12: there is no key 'Axial stress'; did you mean 'Loading/Axial stress'?",
-             "a.scene:14: True stress = yes: 'yes' is not one of: true | false",
-             "a.scene:15: Release time = soon: 'soon' does not begin with a number; expected: in "
-             "s, > 0, or 'never'",
-             "a.scene:16: Stress history = 0 s: 0 kPa, 5 s: '5 s' is not of the form 'a: b'; "
-             "expected: list of pairs 'a: b', in s and in kPa",
-             "a.scene:19: Snapshot times = 1 s, 2 m: 'm' cannot be converted to s; expected: list, "
-             "each in s, >= 0; or 'none'"}));
+      (Lines{
+          "a.scene:1: Solver = event: 'event' is not one of: auto | linear | events | dynamic; "
+          "did you mean 'events'?",
+          "a.scene:3: Diameter = -60 mm: '-60 mm' is out of range, allowed: > 0 mm",
+          "a.scene:4: there is no key 'Solid fracton' in section 'Specimen'; did you mean 'Solid "
+          "fraction'?",
+          "a.scene:5: Particles = 600.5: '600.5' is not a whole number; expected: a whole "
+          "number, >= 1",
+          "a.scene:6: Height = 120 kg: 'kg' cannot be converted to mm; expected: in mm, > 0",
+          "a.scene:9: there is no section 'Loadings'; did you mean 'Loading'?",
+          "a.scene:12: there is no key 'Axial stress'; did you mean 'Loading/Axial stress'?",
+          "a.scene:14: True stress = yes: 'yes' is not one of: true | false",
+          "a.scene:15: Release time = soon: 'soon' does not begin with a number; expected: in "
+          "s, > 0, or 'never'",
+          "a.scene:16: Stress history = 0 s: 0 kPa, 5 s: '5 s' is not of the form 'a: b'; "
+          "expected: list of pairs 'a: b', in s and in kPa",
+          "a.scene:19: Snapshot times = 1 s, 2 m: 'm' cannot be converted to s; expected: list, "
+          "each in s, >= 0; or 'none'"}));
 }
 
 TEST(Scene, RefusesAKeyThatIsSetTwiceInAFile)
@@ -112,9 +113,10 @@ TEST(Scene, NotesNumbersWithoutUnit)
 
 TEST(Scene, DoesNotMistakeATemperatureForADifference)
 {
-  EXPECT_EQ(errors_of({"Temperature/WLF C2 = 92 degC"}),
-            Lines{"--set: WLF C2 = 92 degC: a difference of temperatures is expected, '92 degC' is a "
-                  "temperature: write K; expected: in K, > 0"});
+  EXPECT_EQ(
+      errors_of({"Temperature/WLF C2 = 92 degC"}),
+      Lines{"--set: WLF C2 = 92 degC: a difference of temperatures is expected, '92 degC' is a "
+            "temperature: write K; expected: in K, > 0"});
   EXPECT_EQ(load("", {"Temperature/Temperature = 300 K"}).scene->temperature.temperature, 300);
 }
 
@@ -165,7 +167,7 @@ TEST(Scene, TellsWhichValuesAreEstimates)
   EXPECT_EQ(estimated_keys(load("", {"Strength/Distribution = none"})),
             "Maxwell stiffness, Maxwell viscosity, Kelvin stiffness, Kelvin viscosity, Radius "
             "multiplier");
-  EXPECT_EQ(estimated_keys(load("", {"Strength/Distribution = none",
-                                     "Bonds/Maxwell stiffness = 1e6 N/m"})),
+  EXPECT_EQ(estimated_keys(
+                load("", {"Strength/Distribution = none", "Bonds/Maxwell stiffness = 1e6 N/m"})),
             "Maxwell viscosity, Kelvin stiffness, Kelvin viscosity, Radius multiplier");
 }

@@ -24,7 +24,8 @@ TEST(SceneCheck, RefusesKeysThatDoNotGoTogether)
       {{"Specimen/Source = file"}, "Specimen/File (not set): Source = file needs a File"},
       {{"Specimen/Bond file = b.csv"}, "--set: Bond file: a list of bonds needs Source = file"},
       {{"Specimen/Grading = sma11"},
-       "--set: Grading: no grading is called 'sma11'; known: sma10, sma10-uniform, sma10-gap, table"},
+       "--set: Grading: no grading is called 'sma11'; known: sma10, sma10-uniform, sma10-gap, "
+       "table"},
       {{"Specimen/Grading table = 2 mm: 0 %, 4 mm: 100 %"},
        "--set: Grading table: is used with Grading = table only"},
       {{"Bonds/Kelvin stiffness = 1e5 N/m, 2e5 N/m"},
@@ -69,8 +70,7 @@ TEST(SceneCheck, RefusesBondLawsThatCannotBe)
       {{"Bond law a/Classes = 0: 0.5"}, "--set: Classes: '0: 0.5' are not whole numbers"},
       {{"Bond law a/Classes = 0: 1", "Bond law b/Classes = 1: 0"},
        "--set: Classes: the pair 1: 0 has a law already, 'Bond law a'"},
-      {{"Solver = events", "Bond law a/Classes = 0: 1",
-        "Bond law a/Kelvin viscosity = 1e3 N s/m"},
+      {{"Solver = events", "Bond law a/Classes = 0: 1", "Bond law a/Kelvin viscosity = 1e3 N s/m"},
        "--set: Solver: the bonds follow several laws that are not proportional, so that their "
        "forces depend on history; use dynamic or auto"},
       {{"Solver = linear", "Bond law a/Classes = 0: 1", "Bond law a/Maxwell viscosity = none"},
@@ -108,9 +108,9 @@ TEST(SceneCheck, WarnsOfWideBondsAndVanishingStrength)
   EXPECT_EQ(scenes::warnings(scenes::load("", {"Bonds/Radius multiplier = 1.5"})),
             Lines{"--set: Radius multiplier: a multiplier above 1 makes the bond wider than the "
                   "smaller sphere"});
-  EXPECT_EQ(scenes::warnings(scenes::load("", {"Strength/Rate floor = 0 1/s",
-                                               "Strength/Rate window = 0 s",
-                                               "Strength/Rate window fraction = 0"})),
+  EXPECT_EQ(scenes::warnings(
+                scenes::load("", {"Strength/Rate floor = 0 1/s", "Strength/Rate window = 0 s",
+                                  "Strength/Rate window fraction = 0"})),
             Lines{"--set: Rate floor: without window and floor the strength falls to 0 as the "
                   "strain rate does"});
 }

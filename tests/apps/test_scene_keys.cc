@@ -163,8 +163,7 @@ TEST(SceneKeys, EveryKeyWithARangeRefusesValuesOutsideAndNamesTheRange)
 TEST(SceneKeys, EveryKeyRefusesANeighbourOfItsName)
 {
   for (const Described& key : described_keys()) {
-    const std::vector<std::string> found =
-        scenes::errors_of({key.path + "s = 1"});
+    const std::vector<std::string> found = scenes::errors_of({key.path + "s = 1"});
     ASSERT_EQ(found.size(), 1u) << key.path;
     EXPECT_NE(found[0].find("there is no key '" + key.key + "s'"), std::string::npos) << found[0];
     EXPECT_NE(found[0].find("did you mean '" + key.key + "'?"), std::string::npos) << found[0];

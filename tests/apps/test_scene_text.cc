@@ -59,8 +59,10 @@ TEST(SceneText, KnowsSectionKeyValueAndLine)
 
 TEST(SceneText, TakesLineEndsOfOtherSystemsAndNoLastLineEnd)
 {
-  const SceneText scene = scan("set A = 1\r\nsubsection B\r\n  set C = 2 \\\r\n 3\r\nend\r\nset D = 4");
-  EXPECT_EQ(entries(scene), (Lines{"A = 1 @ a.scene:1", "B/C = 2 3 @ a.scene:3", "D = 4 @ a.scene:6"}));
+  const SceneText scene =
+      scan("set A = 1\r\nsubsection B\r\n  set C = 2 \\\r\n 3\r\nend\r\nset D = 4");
+  EXPECT_EQ(entries(scene),
+            (Lines{"A = 1 @ a.scene:1", "B/C = 2 3 @ a.scene:3", "D = 4 @ a.scene:6"}));
   EXPECT_EQ(messages(scene), Lines{});
 }
 
@@ -69,8 +71,7 @@ TEST(SceneText, SkipsTheMarkBeforeUtf8)
   const command::Folder folder;
   folder.write("a.scene", "\xEF\xBB\xBFset Title = ein Würfel\n");
   const SceneText scene = read_scene_text(folder / "a.scene");
-  EXPECT_EQ(entries(scene),
-            Lines{"Title = ein Würfel @ " + (folder / "a.scene").string() + ":1"});
+  EXPECT_EQ(entries(scene), Lines{"Title = ein Würfel @ " + (folder / "a.scene").string() + ":1"});
 }
 
 TEST(SceneText, ReportsEveryLineItDoesNotUnderstand)
@@ -120,9 +121,8 @@ TEST(SceneText, KeepsSectionsOfAnIncludedFileInsideIt)
   folder.write("c.inc", "subsection Open\n");
   const SceneText scene = read_scene_text(folder / "a.scene");
   const std::string at = (folder / "").string();
-  EXPECT_EQ(messages(scene),
-            (Lines{at + "b.inc:1: 'end' without a 'subsection' to close",
-                   at + "c.inc:1: 'subsection Open' is not closed by 'end'"}));
+  EXPECT_EQ(messages(scene), (Lines{at + "b.inc:1: 'end' without a 'subsection' to close",
+                                    at + "c.inc:1: 'subsection Open' is not closed by 'end'"}));
   EXPECT_EQ(entries(scene), Lines{"Top = 1 @ " + at + "a.scene:5"});
 }
 

@@ -85,11 +85,14 @@ TEST(SolverChoice, AutoTakesTheCheapestThatIsExact)
 TEST(SolverChoice, AutoLooksAtTheLaws)
 {
   const std::string law = "Bond law other/Classes = 0: 0";
-  const Settings proportional{gentle, law, "Bond law other/Maxwell stiffness = 1.6e6 N/m",
+  const Settings proportional{gentle,
+                              law,
+                              "Bond law other/Maxwell stiffness = 1.6e6 N/m",
                               "Bond law other/Maxwell viscosity = 4.1e8 N s/m",
                               "Bond law other/Kelvin stiffness = 2.5e5 N/m",
                               "Bond law other/Kelvin viscosity = 4.2e6 N s/m"};
-  EXPECT_EQ(decision(proportional), "linear: laws are proportional and no bond reaches its strength");
+  EXPECT_EQ(decision(proportional),
+            "linear: laws are proportional and no bond reaches its strength");
   Settings other = proportional;
   other.back() = "Bond law other/Kelvin viscosity = 4.3e6 N s/m";
   EXPECT_EQ(decision(other), "dynamic: " + not_proportional);
@@ -109,8 +112,8 @@ TEST(SolverChoice, SaysWhyANamedSolverCannotBe)
 {
   const command::Folder folder;
   networks::write_lattice(folder);
-  const Case c(folder, {gentle, "Bond law other/Classes = 0: 0",
-                        "Bond law other/Maxwell viscosity = none"});
+  const Case c(
+      folder, {gentle, "Bond law other/Classes = 0: 0", "Bond law other/Maxwell viscosity = none"});
   for (const SolverChoice solver : {SolverChoice::linear, SolverChoice::events}) {
     c.scene.scene->solver = solver;
     try {
@@ -131,8 +134,10 @@ TEST(SolverChoice, LinearAndEventsTellTheSameHistory)
       {"Loading/Release time = 30 s", "Loading/End time = 100 s"},
       {"Loading/Test = stress history",
        "Loading/Stress history = 0 s: 0 kPa, 10 s: 1 kPa, 20 s: 1 kPa, 20 s: 0.2 kPa, 50 s: 0 kPa"},
-      {"Loading/Test = constant rate", "Loading/Strain rate = 1e-6 1/s", "Loading/End strain = 0.01 %"},
-      {"Loading/End time = 60 s", "Strength/Rate window = 0 s", "Strength/Rate window fraction = 0"}};
+      {"Loading/Test = constant rate", "Loading/Strain rate = 1e-6 1/s",
+       "Loading/End strain = 0.01 %"},
+      {"Loading/End time = 60 s", "Strength/Rate window = 0 s",
+       "Strength/Rate window fraction = 0"}};
   for (Settings settings : tests) {
     settings.insert(settings.end(), {gentle, "Output/History times = 25"});
     const Case c(folder, settings);

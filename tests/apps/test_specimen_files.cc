@@ -234,12 +234,14 @@ TEST(BondFile, RefusesBondsThatCannotBe)
 
 TEST(Specimen, RefusesLoadsThatNothingCarries)
 {
-  EXPECT_EQ(bond_refusal("a,b\n"),
-            "the specimen cannot carry the load: no chain of bonds connects the platens any more (2 "
-            "particles, 0 bonds, 1 particles glued to the lower platen, 1 to the upper one)");
-  EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,free\n0,0,6,2,top\n"),
-            "the specimen cannot carry the load: no chain of bonds connects the platens any more (2 "
-            "particles, 1 bonds, 0 particles glued to the lower platen, 1 to the upper one)");
+  EXPECT_EQ(
+      bond_refusal("a,b\n"),
+      "the specimen cannot carry the load: no chain of bonds connects the platens any more (2 "
+      "particles, 0 bonds, 1 particles glued to the lower platen, 1 to the upper one)");
+  EXPECT_EQ(
+      particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,free\n0,0,6,2,top\n"),
+      "the specimen cannot carry the load: no chain of bonds connects the platens any more (2 "
+      "particles, 1 bonds, 0 particles glued to the lower platen, 1 to the upper one)");
   const Settings by_particles{"Loading/Test = particle loads"};
   EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,free,0\n0,0,6,2,free,1\n",
                              by_particles),
@@ -251,13 +253,14 @@ TEST(Specimen, RefusesLoadsThatNothingCarries)
 TEST(Specimen, RefusesParticleLoadsThatAreIncomplete)
 {
   const Settings by_particles{"Loading/Test = particle loads"};
-  EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,6,2,free\n",
-                             by_particles),
-            "particles.csv: Test = particle loads, but the file has no loads (columns fx_N to "
-            "mz_N_m)");
-  EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,fz_N\n0,0,2,2,0\n0,0,6,2,1\n", by_particles),
-            "particles.csv: particle loads need a column 'held' that says what holds each particle: "
-            "bottom or free");
+  EXPECT_EQ(
+      particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,6,2,free\n", by_particles),
+      "particles.csv: Test = particle loads, but the file has no loads (columns fx_N to "
+      "mz_N_m)");
+  EXPECT_EQ(
+      particle_refusal("x_mm,y_mm,z_mm,r_mm,fz_N\n0,0,2,2,0\n0,0,6,2,1\n", by_particles),
+      "particles.csv: particle loads need a column 'held' that says what holds each particle: "
+      "bottom or free");
   EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,bottom,0\n0,0,6,2,top,1\n",
                              by_particles),
             "loads on particles and particles glued to the upper platen exclude each other: hold "
@@ -290,8 +293,7 @@ TEST(Specimen, GluesParticlesNearThePlatens)
 {
   const command::Folder folder;
   networks::write_pair(folder);
-  folder.write("particles.csv",
-               "x_mm,y_mm,z_mm,r_mm\n0,0,2,2\n0,0,6,2\n4,0,2.1,2\n4,0,6,2\n");
+  folder.write("particles.csv", "x_mm,y_mm,z_mm,r_mm\n0,0,2,2\n0,0,6,2\n4,0,2.1,2\n4,0,6,2\n");
   folder.write("bonds.csv", "a,b\n0,1\n2,3\n");
   using dem::Support;
   EXPECT_EQ(specimen_in(folder).assembly.support,
@@ -321,8 +323,8 @@ TEST(Packing, ComesBackFromItsFileAndOnlyForItsRecipe)
   EXPECT_THROW(read_packing(folder / "p.h5", "recipe 2"), std::invalid_argument);
 
   const std::string whole = folder.read("p.h5");
-  for (const std::size_t length : {std::size_t(0), std::size_t(7), std::size_t(100),
-                                   whole.size() / 2, whole.size() - 1}) {
+  for (const std::size_t length :
+       {std::size_t(0), std::size_t(7), std::size_t(100), whole.size() / 2, whole.size() - 1}) {
     folder.write("cut.h5", whole.substr(0, length));
     EXPECT_THROW(read_packing(folder / "cut.h5", std::nullopt), std::invalid_argument) << length;
   }

@@ -36,9 +36,9 @@ TEST(Study, RunsEachValueAsASceneOfItsOwn)
   const std::set<std::string> files(found.begin(), found.end());
   std::set<std::string> expected{"study.scene"};
   for (const std::string run : {"1-kPa", "run-300-kPa", "0.8-MPa"})
-    for (const std::string& name : {run + ".scene", std::string("run.log"),
-                                    std::string("result.h5"), std::string("history.csv"),
-                                    std::string("breakages.csv")})
+    for (const std::string& name :
+         {run + ".scene", std::string("run.log"), std::string("result.h5"),
+          std::string("history.csv"), std::string("breakages.csv")})
       expected.insert(run + "/" + name);
   expected.insert("1-kPa/complex_modulus.csv"); // no bond breaks there
   EXPECT_EQ(files, expected);
@@ -61,7 +61,8 @@ TEST(Study, FindsFilesThatItVaries)
                                                      "Study/Values = bonds.csv, other.csv"}));
   EXPECT_EQ(study.exit_code, 2);
   EXPECT_TRUE(contains(study.output, "net: 1 of 2 runs finished, results in results/net\n"));
-  EXPECT_TRUE(contains(study.output, "error: the specimen cannot carry the load: ")) << study.output;
+  EXPECT_TRUE(contains(study.output, "error: the specimen cannot carry the load: "))
+      << study.output;
   EXPECT_TRUE(folder.has("results/net/bonds.csv/result.h5"));
   EXPECT_FALSE(folder.has("results/net/other.csv/result.h5"));
 }
@@ -78,19 +79,22 @@ TEST(Study, SharesOnePackingUnlessItVariesIt)
                           "subsection Strength\n  set Distribution = none\nend\n");
   const Finished made = mastic(folder, {"pack", "a.scene", "-o", "a.h5"});
   ASSERT_EQ(made.exit_code, 0) << made.output;
-  const std::vector<std::string> temperatures{
-      "Temperature/Shift law = WLF", "Study/Vary = Temperature/Temperature",
-      "Study/Values = 10 degC, 30 degC"};
-  const Finished study = mastic(folder, with({"run", "a.scene", "--packing", "a.h5"}, temperatures));
+  const std::vector<std::string> temperatures{"Temperature/Shift law = WLF",
+                                              "Study/Vary = Temperature/Temperature",
+                                              "Study/Values = 10 degC, 30 degC"};
+  const Finished study =
+      mastic(folder, with({"run", "a.scene", "--packing", "a.h5"}, temperatures));
   EXPECT_EQ(study.exit_code, 0) << study.output;
   EXPECT_FALSE(folder.has("results/a/packing.h5"));
   const Finished own = mastic(folder, with({"run", "a.scene"}, temperatures));
   EXPECT_EQ(own.exit_code, 0) << own.output;
   EXPECT_TRUE(folder.has("results/a/packing.h5"));
-  const Finished seeds = mastic(folder, with({"run", "a.scene", "--packing", "a.h5"},
-                                             {"Study/Vary = Specimen/Seed", "Study/Values = 1, 2"}));
+  const Finished seeds =
+      mastic(folder, with({"run", "a.scene", "--packing", "a.h5"},
+                          {"Study/Vary = Specimen/Seed", "Study/Values = 1, 2"}));
   EXPECT_EQ(seeds.exit_code, 2);
-  EXPECT_TRUE(contains(seeds.output, "error: --packing: the runs of this study do not share a packing\n"));
+  EXPECT_TRUE(
+      contains(seeds.output, "error: --packing: the runs of this study do not share a packing\n"));
 }
 
 TEST(Study, SaysWhichValuesAreWrongBeforeItBegins)
@@ -109,14 +113,14 @@ TEST(Study, SaysWhichValuesAreWrongBeforeItBegins)
   const Finished check = mastic(folder, with({"check", "net.scene"}, wrong));
   EXPECT_EQ(check.exit_code, 2);
   EXPECT_TRUE(contains(check.output, message)) << check.output;
-  const Finished key = mastic(folder, short_study({"Study/Vary = Loading/Axial stres",
-                                                   "Study/Values = 400 kPa"}));
+  const Finished key =
+      mastic(folder, short_study({"Study/Vary = Loading/Axial stres", "Study/Values = 400 kPa"}));
   EXPECT_EQ(key.exit_code, 2);
   EXPECT_EQ(key.output, "Study: error: run '400 kPa': there is no key 'Axial stres' in section "
                         "'Loading'; did you mean 'Axial stress'?\n");
-  const Finished together = mastic(folder, short_study({"Study/Vary = Loading/End time",
-                                                        "Study/Values = 10 s, 5 s",
-                                                        "Loading/Release time = 7 s"}));
+  const Finished together =
+      mastic(folder, short_study({"Study/Vary = Loading/End time", "Study/Values = 10 s, 5 s",
+                                  "Loading/Release time = 7 s"}));
   EXPECT_EQ(together.exit_code, 2);
   EXPECT_EQ(together.output,
             "Study: error: run '5 s': Release time: must come before the End time\n");
@@ -138,7 +142,8 @@ TEST(Study, GoesOnAfterAnInterruption)
   const Finished first = interrupted::stopped(parts, with(with(run, seeds), {interrupted::slow}),
                                               folder + "/leave" + checkpoint, 3, SIGTERM);
   EXPECT_EQ(first.exit_code, 4) << first.output;
-  EXPECT_TRUE(contains(first.output, "long-0.5: interrupted; to go on: mastic run --resume " + folder));
+  EXPECT_TRUE(
+      contains(first.output, "long-0.5: interrupted; to go on: mastic run --resume " + folder));
   EXPECT_TRUE(contains(first.output, "leave: interrupted at t = "));
   EXPECT_FALSE(parts.has(folder + "/pressed/result.h5"));
 
@@ -146,7 +151,7 @@ TEST(Study, GoesOnAfterAnInterruption)
   const Finished second = interrupted::stopped(parts, with(resume, {interrupted::slow}),
                                                folder + "/leave" + checkpoint, 3, SIGINT);
   EXPECT_EQ(second.exit_code, 4) << second.output;
-  const Finished last = mastic(parts, with(resume, {"Output/Checkpoint interval = 60 s"}));
+  const Finished last = mastic(parts, with(resume, {interrupted::quick}));
   EXPECT_EQ(last.exit_code, 0) << last.output;
   for (const std::string run_name : {"leave", "pressed"})
     for (const std::string table : {"/history.csv", "/breakages.csv"})

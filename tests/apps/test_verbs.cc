@@ -87,8 +87,8 @@ TEST(Pack, MakesAPackingThatARunTakes)
   ASSERT_EQ(pack.exit_code, 0) << pack.output;
   EXPECT_TRUE(contains(pack.output, "  particles                      75\n")) << pack.output;
   EXPECT_TRUE(contains(pack.output, "written to a.packing.h5\n"));
-  const Finished with_packing =
-      mastic(folder, with({"run", "a.scene", "--packing", "a.packing.h5"}, {"Output/Folder = one"}));
+  const Finished with_packing = mastic(
+      folder, with({"run", "a.scene", "--packing", "a.packing.h5"}, {"Output/Folder = one"}));
   ASSERT_EQ(with_packing.exit_code, 0) << with_packing.output;
   const Finished without = mastic(folder, with({"run", "a.scene"}, {"Output/Folder = two"}));
   ASSERT_EQ(without.exit_code, 0) << without.output;
@@ -97,8 +97,8 @@ TEST(Pack, MakesAPackingThatARunTakes)
   const Finished csv = mastic(folder, {"pack", "a.scene", "-o", "a.csv"});
   ASSERT_EQ(csv.exit_code, 0) << csv.output;
   EXPECT_EQ(std::ranges::count(folder.read("a.csv"), '\n'), 76);
-  const Finished from_file =
-      mastic(folder, with({"check", "a.scene"}, {"Specimen/Source = file", "Specimen/File = a.csv"}));
+  const Finished from_file = mastic(
+      folder, with({"check", "a.scene"}, {"Specimen/Source = file", "Specimen/File = a.csv"}));
   EXPECT_EQ(from_file.exit_code, 0) << from_file.output;
   const Finished info = mastic(folder, {"info", "a.packing.h5"});
   EXPECT_TRUE(contains(info.output, "a.packing.h5: packing\n  generated, seed 1\n")) << info.output;
@@ -117,10 +117,11 @@ TEST(Pack, RefusesWhatDoesNotFit)
   expect_error(folder, {"run", "net.scene", "--packing", "a.packing.h5"},
                "error: --packing: the scene reads its particles from a file already (Source = "
                "file)\n");
-  const Finished other = mastic(folder, with({"run", "a.scene", "--packing", "a.packing.h5"},
-                                             {"Specimen/Seed = 2"}));
+  const Finished other =
+      mastic(folder, with({"run", "a.scene", "--packing", "a.packing.h5"}, {"Specimen/Seed = 2"}));
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_TRUE(contains(other.output, "error: a.packing.h5: this packing was made from other keys of "
-                                     "the section Specimen than the scene has"))
+  EXPECT_TRUE(contains(other.output,
+                       "error: a.packing.h5: this packing was made from other keys of "
+                       "the section Specimen than the scene has"))
       << other.output;
 }
