@@ -28,7 +28,9 @@ Packing stored_packing(const dem::Hdf5File& file, const LoadedScene& scene)
 {
   if (scene.scene->specimen.source == SpecimenSource::file)
     return make_packing(scene); // with its supports and loads
-  return {dem::read_particles(file, "packing"), std::nullopt, {},
+  return {dem::read_particles(file, "packing"),
+          std::nullopt,
+          {},
           {file.number_attribute("packing", "lower_platen_m"),
            file.number_attribute("packing", "upper_platen_m")},
           file.text_attribute("packing", "origin")};
@@ -38,7 +40,8 @@ Packing stored_packing(const dem::Hdf5File& file, const LoadedScene& scene)
 SolverDecision stored_decision(const dem::Hdf5File& file)
 {
   const std::string solver = file.text_attribute("scene", "solver");
-  for (const SolverChoice each : {SolverChoice::linear, SolverChoice::events, SolverChoice::dynamic})
+  for (const SolverChoice each :
+       {SolverChoice::linear, SolverChoice::events, SolverChoice::dynamic})
     if (name_of(each) == solver)
       return {each, file.text_attribute("scene", "solver_reason")};
   throw std::runtime_error(fmt::format("there is no solver '{}'", solver));
@@ -48,8 +51,9 @@ Resumed restored(const std::filesystem::path& path, const RunOptions& options)
 {
   const dem::Hdf5File file = open_stored(path, "checkpoint");
   RunInProgress run;
-  run.scene = load_scene_text(file.read_text("scene/resolved"), file.text_attribute("scene", "name"),
-                              file.text_attribute("scene", "folder"), options.overrides);
+  run.scene =
+      load_scene_text(file.read_text("scene/resolved"), file.text_attribute("scene", "name"),
+                      file.text_attribute("scene", "folder"), options.overrides);
   run.scene.name = file.text_attribute("scene", "name");
   run.scene.text = file.read_text("scene/as_typed");
   print_diagnostics(run.scene.diagnostics);
@@ -84,9 +88,10 @@ bool has_checkpoint(const std::filesystem::path& folder)
 
 void remove_checkpoints(const std::filesystem::path& folder)
 {
+  const std::string name = checkpoint_file(folder).string();
   std::error_code ignored;
-  std::filesystem::remove(checkpoint_file(folder), ignored);
-  std::filesystem::remove(previous(checkpoint_file(folder)), ignored);
+  for (const char* end : {"", ".previous", ".part"}) // the last one if a run was killed on the way
+    std::filesystem::remove(name + end, ignored);
 }
 
 void write_checkpoint(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
@@ -120,10 +125,10 @@ void refuse_other_options(const RunOptions& options)
 {
   for (const std::string& each : options.overrides)
     if (const std::string key = override_entry(each).path(); !may_change(key))
-      throw std::invalid_argument(
-          fmt::format("--set \"{}\": a run goes on as it began; with --resume only Output/ParaView, "
-                      "Output/Plots and Output/Checkpoint interval can be set",
-                      each));
+      throw std::invalid_argument(fmt::format(
+          "--set \"{}\": a run goes on as it began; with --resume only Output/ParaView, "
+          "Output/Plots and Output/Checkpoint interval can be set",
+          each));
   if (options.packing)
     throw std::invalid_argument("--packing: a run goes on with the packing it began with");
 }

@@ -65,8 +65,7 @@ CsvTable::Column CsvTable::column_of(const std::string& cell)
 {
   std::size_t cut = cell.find('[');
   if (cut != std::string::npos)
-    return {trimmed(cell.substr(0, cut)),
-            trimmed(cell.substr(cut + 1, cell.find(']') - cut - 1))};
+    return {trimmed(cell.substr(0, cut)), trimmed(cell.substr(cut + 1, cell.find(']') - cut - 1))};
   cut = cell.find('_');
   for (const std::string name : compound_names)
     if (cell.starts_with(name))
@@ -112,9 +111,9 @@ const CsvTable::Column& CsvTable::column(const std::string& name, const std::str
   std::ranges::replace(example, ' ', '_');
   const auto found = find(name);
   if (!found)
-    throw std::invalid_argument(fmt::format(
-        "{}: there is no column '{}'{}", file_.string(), name,
-        si_unit == "1" ? "" : fmt::format(" (with its unit, such as {})", example)));
+    throw std::invalid_argument(
+        fmt::format("{}: there is no column '{}'{}", file_.string(), name,
+                    si_unit == "1" ? "" : fmt::format(" (with its unit, such as {})", example)));
   const Column& column = columns_[*found];
   if (si_unit != "1" && column.unit.empty())
     throw std::invalid_argument(fmt::format("{}: column '{}' needs a unit in its name, such as {}",
@@ -155,9 +154,8 @@ std::vector<long> CsvTable::integers(const std::string& name) const
   const std::vector<double> values = numbers(name, "1");
   for (std::size_t row = 0; row < values.size(); ++row) {
     if (values[row] != std::floor(values[row]) || std::abs(values[row]) > 1e9)
-      throw std::invalid_argument(
-          fmt::format("{}: column '{}': '{}' is not a whole number", place(row), name,
-                      rows_[row][*find(name)]));
+      throw std::invalid_argument(fmt::format("{}: column '{}': '{}' is not a whole number",
+                                              place(row), name, rows_[row][*find(name)]));
     result.push_back(long(values[row]));
   }
   return result;

@@ -12,7 +12,8 @@ namespace apps {
 /// or "x [mm]".
 class CsvTable {
 public:
-  /// \throws std::invalid_argument naming file and line if it cannot be read or rows differ in length
+  /// \throws std::invalid_argument naming file and line if it cannot be read or rows differ in
+  /// length
   CsvTable(const std::filesystem::path& file, const Units& units);
 
   std::size_t n_rows() const { return rows_.size(); }

@@ -16,10 +16,12 @@ dem::Hdf5File open_stored(const std::filesystem::path& file, const std::string& 
   try {
     dem::Hdf5File stored = dem::Hdf5File::open(file);
     if (!stored.is_complete())
-      throw std::runtime_error(file.string() + ": this was not written by mastic, or it was cut off");
+      throw std::runtime_error(file.string() +
+                               ": this was not written by mastic, or it was cut off");
     const std::string found = stored.text_attribute("", "kind");
     if (!kind.empty() && found != kind)
-      throw std::runtime_error(fmt::format("{}: this is a {}, not a {}", file.string(), found, kind));
+      throw std::runtime_error(
+          fmt::format("{}: this is a {}, not a {}", file.string(), found, kind));
     if (stored.number_attribute("", "storage_version") > dem::storage_version)
       throw std::runtime_error(file.string() + ": the file was written by a newer version");
     return stored;
@@ -98,7 +100,8 @@ std::filesystem::path own_executable()
 std::filesystem::path share_folder()
 {
   const std::filesystem::path installed = own_executable().parent_path() / "../share/mastic";
-  for (const std::filesystem::path& folder : {installed, std::filesystem::path(MASTIC_SOURCE_SHARE)})
+  for (const std::filesystem::path& folder :
+       {installed, std::filesystem::path(MASTIC_SOURCE_SHARE)})
     if (std::filesystem::exists(folder / "plot.py"))
       return folder.lexically_normal();
   throw std::runtime_error(fmt::format("the plotting script plot.py is neither in {} nor in {}",

@@ -36,8 +36,9 @@ public:
   {
     const double force = dem::linear_response(model_, loading_, time).force;
     const double rate = averaged_rate(time);
-    return {time, force, strain(time), rate, dem::strength_factor(rate_law_, rate),
-            model_.compliance, 0};
+    return {
+        time, force, strain(time), rate, dem::strength_factor(rate_law_, rate), model_.compliance,
+        0};
   }
   Snapshot snapshot(double time) const override
   {
@@ -47,7 +48,10 @@ public:
                             dem::elastic_displacements(model_, loading_, time));
   }
   const std::vector<dem::Breakage>& breakages() const override { return none_; }
-  void save(dem::Hdf5File& file) const override { file.write("state/time", std::vector{time_}, "s"); }
+  void save(dem::Hdf5File& file) const override
+  {
+    file.write("state/time", std::vector{time_}, "s");
+  }
   void load(const dem::Hdf5File& file) override { time_ = file.read_doubles("state/time").at(0); }
   std::string statistics() const override { return "1 elastic solution"; }
   bool work_is_even_in_time() const override { return false; }
@@ -102,7 +106,8 @@ private:
       const double begin = loading_.points[k].time, end = loading_.points[k + 1].time;
       if (begin > time || !(end > begin))
         continue;
-      const double slope = (loading_.points[k + 1].value - loading_.points[k].value) / (end - begin);
+      const double slope =
+          (loading_.points[k + 1].value - loading_.points[k].value) / (end - begin);
       const double gone = end <= time ? dem::creep_compliance(model_.creep, time - end) : 0;
       sum += slope * (dem::creep_compliance(model_.creep, time - begin) - gone);
     }

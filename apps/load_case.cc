@@ -54,8 +54,8 @@ std::vector<double> history_times(const Scene& scene, const dem::Loading& loadin
   const double start = loading.points.front().time, end = dem::end_time(loading);
   const bool creeps =
       scene.load.test == TestKind::creep || scene.load.test == TestKind::particle_loads;
-  const bool logarithmic = v.spacing == TimeSpacing::logarithmic ||
-                           (v.spacing == TimeSpacing::automatic && creeps);
+  const bool logarithmic =
+      v.spacing == TimeSpacing::logarithmic || (v.spacing == TimeSpacing::automatic && creeps);
   std::vector<double> times{start};
   const double first = std::min(v.first_time, end - start);
   const auto n = double(std::max(1L, v.n_times - 1));

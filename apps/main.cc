@@ -32,7 +32,8 @@ struct Arguments {
 
 void add_common(CLI::App& verb, Arguments& a)
 {
-  verb.add_option("--set", a.run.overrides, "Override a key: \"Section/Key = value\"; may be repeated")
+  verb.add_option("--set", a.run.overrides,
+                  "Override a key: \"Section/Key = value\"; may be repeated")
       ->allow_extra_args(false);
 }
 
@@ -71,12 +72,14 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   fresh->add_option("kind", a.kind, "creep, constant-rate, history, network, dynamic or study");
   fresh->callback([&] { action = [&] { return new_verb(a.kind); }; });
 
-  CLI::App* plot = app.add_subcommand("plot", "Draw the figures of results again, or of several together");
+  CLI::App* plot =
+      app.add_subcommand("plot", "Draw the figures of results again, or of several together");
   plot->add_option("results", a.results, "Result folders")->required();
   plot->add_option("-o,--output", a.output, "Folder for the figures (default: the first result)");
   plot->callback([&] { action = [&] { return plot_verb(a.results, a.output); }; });
 
-  CLI::App* table = app.add_subcommand("export", "Print a table of a result as CSV, full precision");
+  CLI::App* table =
+      app.add_subcommand("export", "Print a table of a result as CSV, full precision");
   table->add_option("result", a.result, "Result folder or result.h5")->required();
   table->add_option("table", a.table, "history, breakages, particles, bonds or complex_modulus")
       ->required();
@@ -84,7 +87,8 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   table->callback([&] { action = [&] { return export_verb(a.result, a.table, a.time); }; });
 
   CLI::App* info = app.add_subcommand("info", "Say where a result comes from and what is in it");
-  info->add_option("result", a.result, "Result folder, result.h5, packing or checkpoint")->required();
+  info->add_option("result", a.result, "Result folder, result.h5, packing or checkpoint")
+      ->required();
   info->callback([&] { action = [&] { return info_verb(a.result); }; });
 }
 
@@ -131,9 +135,10 @@ int main(int argc, char** argv)
   CLI::App app{"Mastic: creep and breakage of asphalt and other bonded granular materials."};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("mastic " MASTIC_VERSION " (" MASTIC_REVISION ")"));
-  app.footer("A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"
-             "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
-             "checkpoint, 5 the specimen lost its equilibrium.");
+  app.footer(
+      "A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"
+      "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
+      "checkpoint, 5 the specimen lost its equilibrium.");
   Arguments arguments;
   arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::function<int()> action;

@@ -54,9 +54,10 @@ void check_radius(double radius, const std::string& place, bool accept_unusual)
     throw std::invalid_argument(
         fmt::format("{}: the radius must be > 0, found {:g} m", place, radius));
   if (!accept_unusual && (radius < 1e-6 || radius > 1))
-    throw std::invalid_argument(fmt::format("{}: a radius of {:g} m is outside 1e-6 to 1 m; if that "
-                                            "is meant, set Accept unusual values = true",
-                                            place, radius));
+    throw std::invalid_argument(
+        fmt::format("{}: a radius of {:g} m is outside 1e-6 to 1 m; if that "
+                    "is meant, set Accept unusual values = true",
+                    place, radius));
 }
 
 /// Spheres that overlap by more than a tenth of the smaller radius come from a mistake.
@@ -127,7 +128,9 @@ Packing read_packing(const std::filesystem::path& file, const std::optional<std:
                                               "section Specimen than the scene has; make it anew "
                                               "with 'mastic pack', or name it as File",
                                               file.string()));
-    return {dem::read_particles(hdf5, "particles"), std::nullopt, {},
+    return {dem::read_particles(hdf5, "particles"),
+            std::nullopt,
+            {},
             {hdf5.number_attribute("particles", "lower_platen_m"),
              hdf5.number_attribute("particles", "upper_platen_m")},
             hdf5.text_attribute("", "origin")};
@@ -153,8 +156,11 @@ Packing make_packing(const LoadedScene& loaded)
   const Scene::Specimen& v = loaded.scene->specimen;
   if (v.source == SpecimenSource::generate) {
     const dem::PackingRequest request = packing_request(*loaded.scene);
-    return {dem::grow_packing(request, std::uint64_t(v.seed)), std::nullopt, {},
-            {0, request.container.height}, fmt::format("generated, seed {}", v.seed)};
+    return {dem::grow_packing(request, std::uint64_t(v.seed)),
+            std::nullopt,
+            {},
+            {0, request.container.height},
+            fmt::format("generated, seed {}", v.seed)};
   }
   const std::filesystem::path file = loaded.folder / v.file;
   if (file.extension() == ".csv")

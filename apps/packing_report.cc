@@ -82,12 +82,12 @@ std::string packing_report(const Scene& scene, const Packing& packing)
   text += fmt::format("  diameters                      {:.2f} to {:.2f} mm\n",
                       2e3 * std::ranges::min(particles.radius),
                       2e3 * std::ranges::max(particles.radius));
-  text += fmt::format("  solid fraction                 {:.4f}, asked {:g}{}\n", fraction,
-                      request.solid_fraction,
-                      met(std::abs(fraction - request.solid_fraction) < 0.002));
-  text += fmt::format("  residual isotropic stress      {:.3g} kPa, bound {:g} kPa{}\n",
-                      stress / 1e3, request.residual_stress_bound / 1e3,
-                      met(stress < request.residual_stress_bound));
+  text +=
+      fmt::format("  solid fraction                 {:.4f}, asked {:g}{}\n", fraction,
+                  request.solid_fraction, met(std::abs(fraction - request.solid_fraction) < 0.002));
+  text +=
+      fmt::format("  residual isotropic stress      {:.3g} kPa, bound {:g} kPa{}\n", stress / 1e3,
+                  request.residual_stress_bound / 1e3, met(stress < request.residual_stress_bound));
   text += fmt::format("  particles under {} contacts     {}, asked 0{}\n", request.min_contacts,
                       n_short, met(n_short == 0));
   text += fmt::format("  mean contact number            {:.2f} touching (gap < {:g} radii)\n",
@@ -95,9 +95,9 @@ std::string packing_report(const Scene& scene, const Packing& packing)
   text += fmt::format("  bonds                          {}, {:.2f} at each particle",
                       bonded.pairs.size(), mean_bonded);
   if (scene.specimen.bond_rule == BondRule::mean_contacts)
-    text += fmt::format(" (gap < {:.2g} radii), asked {:g}{}", bonded.gap,
-                        scene.specimen.mean_contacts,
-                        met(std::abs(mean_bonded - scene.specimen.mean_contacts) < 0.01));
+    text +=
+        fmt::format(" (gap < {:.2g} radii), asked {:g}{}", bonded.gap, scene.specimen.mean_contacts,
+                    met(std::abs(mean_bonded - scene.specimen.mean_contacts) < 0.01));
   text += fmt::format("\n  fabric xx, yy, zz              {:.3f}, {:.3f}, {:.3f} "
                       "(1/3 is isotropic; largest - smallest {:.3f})\n",
                       tensor(0, 0), tensor(1, 1), tensor(2, 2),

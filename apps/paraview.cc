@@ -85,12 +85,12 @@ std::string particle_file(const dem::Particles& particles, const Snapshot& snaps
   std::vector<std::int64_t> number(particles.size());
   for (std::size_t i = 0; i < number.size(); ++i)
     number[i] = std::int64_t(i);
-  const std::string content =
-      "<PointData>\n" + data_array("radius_m", particles.radius, 1) +
-      data_array("displacement_m", flat(snapshot.displacement), 3) +
-      data_array("rotation_rad", flat(snapshot.rotation), 3) + data_array("particle", number, 1) +
-      "</PointData>\n<Points>\n" + data_array("points", flat(displaced(particles, snapshot)), 3) +
-      "</Points>\n" + cells("Verts", number, 1);
+  const std::string content = "<PointData>\n" + data_array("radius_m", particles.radius, 1) +
+                              data_array("displacement_m", flat(snapshot.displacement), 3) +
+                              data_array("rotation_rad", flat(snapshot.rotation), 3) +
+                              data_array("particle", number, 1) + "</PointData>\n<Points>\n" +
+                              data_array("points", flat(displaced(particles, snapshot)), 3) +
+                              "</Points>\n" + cells("Verts", number, 1);
   return poly_data(particles.size(), fmt::format("NumberOfVerts=\"{}\"", particles.size()),
                    content);
 }
@@ -102,8 +102,7 @@ std::string bond_file(const dem::Assembly& assembly, const Snapshot& snapshot)
   for (std::size_t b = 0; b < assembly.bonds.size(); ++b) {
     const auto [i, j] = assembly.bonds.ends[b];
     ends.insert(ends.end(), {i, j});
-    const dem::Vec3 n =
-        (assembly.particles.centre[j] - assembly.particles.centre[i]).normalized();
+    const dem::Vec3 n = (assembly.particles.centre[j] - assembly.particles.centre[i]).normalized();
     tension.push_back(snapshot.force[b].dot(n));
   }
   const std::string content =

@@ -52,9 +52,9 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
   file.set_attribute("", "revision", std::string(MASTIC_REVISION));
   file.set_attribute("", "compiler", std::string(MASTIC_COMPILER));
   file.set_attribute("", "storage_version", dem::storage_version);
-  file.set_attribute("", "written_utc",
-                     fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                                 fmt::gmtime(std::chrono::system_clock::now())));
+  file.set_attribute(
+      "", "written_utc",
+      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())));
   file.set_attribute("", "name", r.scene.name);
   file.set_attribute("", "title", r.scene.scene->title);
   file.set_attribute("", "solver", name_of(r.decision.solver));

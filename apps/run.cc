@@ -53,8 +53,8 @@ DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunO
   stops.insert(stops.end(), stored.begin(), stored.end());
   std::ranges::sort(stops);
   stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
-  Progress progress(fmt::format("{} ({})", r.scene.name, name_of(r.decision.solver)),
-                    options.quiet, options.for_parent);
+  Progress progress(fmt::format("{} ({})", r.scene.name, name_of(r.decision.solver)), options.quiet,
+                    options.for_parent);
   double last_checkpoint = 0;
   const double end = dem::end_time(r.loading);
   const auto record = [&](double time) {
@@ -99,7 +99,8 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
   make_folder(folder); // now, not after hours
   if (drive(r, folder, options) == DriveEnd::interrupted) {
     say(fmt::format("{}: interrupted at t = {:.6g} s{}", r.scene.name, r.run->time(),
-                    options.for_parent ? "" : "; to go on: mastic run --resume " + folder.string()));
+                    options.for_parent ? ""
+                                       : "; to go on: mastic run --resume " + folder.string()));
     return exit_interrupted;
   }
   const dem::Response& last = r.record.history.back();
@@ -178,8 +179,7 @@ void start_run(RunInProgress& r, const RunOptions& options)
   r.n_threads = options.n_threads;
   r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
   say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
-                  r.specimen.assembly.bonds.size(), name_of(r.decision.solver),
-                  r.decision.reason));
+                  r.specimen.assembly.bonds.size(), name_of(r.decision.solver), r.decision.reason));
   if (r.specimen.assembly.strengths && r.specimen.assembly.strengths->n_nonpositive > 0)
     say(fmt::format("  {} of the strengths were drawn at or below 0; 'Nonpositive draws' says what "
                     "they become",
@@ -198,8 +198,7 @@ int run_scene(LoadedScene scene, const RunOptions& options)
   if (options.packing && !generated)
     throw std::invalid_argument("--packing: the scene reads its particles from a file already "
                                 "(Source = file)");
-  say(fmt::format("{}{}", scene.name,
-                  scene.scene->title.empty() ? "" : ": " + scene.scene->title));
+  say(fmt::format("{}{}", scene.name, scene.scene->title.empty() ? "" : ": " + scene.scene->title));
   RunInProgress r;
   r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
                               : make_packing(scene);

@@ -13,10 +13,10 @@ namespace apps {
 /// Exit codes of the program.
 enum ExitCode {
   exit_ok = 0,
-  exit_input = 2,            ///< something in the input
-  exit_failure = 3,          ///< a computation or a file operation failed
-  exit_interrupted = 4,      ///< stopped with a checkpoint
-  exit_lost_equilibrium = 5  ///< the specimen ruptured: no equilibrium any more
+  exit_input = 2,           ///< something in the input
+  exit_failure = 3,         ///< a computation or a file operation failed
+  exit_interrupted = 4,     ///< stopped with a checkpoint
+  exit_lost_equilibrium = 5 ///< the specimen ruptured: no equilibrium any more
 };
 
 /// How a run was asked for on the command line.

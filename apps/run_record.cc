@@ -59,8 +59,8 @@ Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
     snapshot.rotation.push_back(m.rotation);
   }
   for (std::size_t b = 0; b < network.bonds.size(); ++b) {
-    const dem::BondLoad load = dem::bond_load(
-        network.bonds[b], status[b], dem::deformation(network, network.bonds[b], elastic));
+    const dem::BondLoad load = dem::bond_load(network.bonds[b], status[b],
+                                              dem::deformation(network, network.bonds[b], elastic));
     snapshot.force.push_back(load.force);
     snapshot.moment.push_back(load.moment);
     snapshot.state.push_back(std::uint8_t(status[b]));
@@ -81,8 +81,8 @@ std::vector<Column> history_columns(const dem::Assembly& assembly, const RunReco
                              [&](const Response& r) { return -r.force / area / 1e3; }));
     columns.push_back(column("axial_strain_percent", "%", rows,
                              [](const Response& r) { return -100 * r.strain; }));
-    columns.push_back(column("strain_rate_per_s", "1/s", rows,
-                             [](const Response& r) { return -r.strain_rate; }));
+    columns.push_back(
+        column("strain_rate_per_s", "1/s", rows, [](const Response& r) { return -r.strain_rate; }));
     double largest = 0;
     for (const Response& r : rows)
       largest = std::max(largest, std::abs(r.force));

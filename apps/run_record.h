@@ -13,7 +13,7 @@ namespace apps {
 
 /// All particles and bonds at one time.
 struct Snapshot {
-  double time;                        ///< [s]
+  double time;                         ///< [s]
   std::vector<dem::Vec3> displacement; ///< of each particle [m]
   std::vector<dem::Vec3> rotation;     ///< [rad]
   std::vector<dem::Vec3> force;        ///< of each bond on its first end [N]

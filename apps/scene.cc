@@ -24,16 +24,17 @@ void declare_top(Schema& s, Scene& scene)
 {
   s.section("", "");
   s.words("Title", scene.title, "", "One line for figures and results.");
-  s.choice<SolverChoice>(
-      "Solver", scene.solver,
-      {{"auto", SolverChoice::automatic},
-       {"linear", SolverChoice::linear},
-       {"events", SolverChoice::events},
-       {"dynamic", SolverChoice::dynamic}},
-      "auto",
-      "linear: intact, small displacements, exact. events: exact from one bond breakage to the next, "
-      "small displacements. dynamic: explicit with inertia, friction, finite motion. auto takes the "
-      "cheapest whose assumptions hold and says which and why.");
+  s.choice<SolverChoice>("Solver", scene.solver,
+                         {{"auto", SolverChoice::automatic},
+                          {"linear", SolverChoice::linear},
+                          {"events", SolverChoice::events},
+                          {"dynamic", SolverChoice::dynamic}},
+                         "auto",
+                         "linear: intact, small displacements, exact. events: exact from one bond "
+                         "breakage to the next, "
+                         "small displacements. dynamic: explicit with inertia, friction, finite "
+                         "motion. auto takes the "
+                         "cheapest whose assumptions hold and says which and why.");
   s.flag("Accept unusual values", scene.accept_unusual, "false",
          "Radii, densities and stiffnesses far from those of stone and binder are refused unless "
          "this is true: most often they come from a wrong unit.");
@@ -42,27 +43,30 @@ void declare_top(Schema& s, Scene& scene)
 void declare_specimen(Schema& s, Scene::Specimen& v)
 {
   s.section("Specimen", "The packing of spheres and which of them are bonded.");
-  s.choice<SpecimenSource>(
-      "Source", v.source,
-      {{"generate", SpecimenSource::generate}, {"file", SpecimenSource::file}}, "generate",
-      "Make the packing, or read it from File.");
-  s.words("File", v.file, "",
-          "Packing to read: .h5 from 'mastic pack', or .csv with a header of names and units: x_mm, "
-          "y_mm, z_mm, r_mm, and if needed class, held (free, bottom, top), fx_N, fy_N, fz_N, "
-          "mx_N_m, my_N_m, mz_N_m (loads per unit of the load factor).");
-  s.words("Bond file", v.bond_file, "",
-          "Bonds to read (.csv): a, b are particles counted from 0 in the order of File; if wanted, "
-          "normal_strength_N and shear_strength_N. Empty: bonds by the rule below.");
+  s.choice<SpecimenSource>("Source", v.source,
+                           {{"generate", SpecimenSource::generate}, {"file", SpecimenSource::file}},
+                           "generate", "Make the packing, or read it from File.");
+  s.words(
+      "File", v.file, "",
+      "Packing to read: .h5 from 'mastic pack', or .csv with a header of names and units: x_mm, "
+      "y_mm, z_mm, r_mm, and if needed class, held (free, bottom, top), fx_N, fy_N, fz_N, "
+      "mx_N_m, my_N_m, mz_N_m (loads per unit of the load factor).");
+  s.words(
+      "Bond file", v.bond_file, "",
+      "Bonds to read (.csv): a, b are particles counted from 0 in the order of File; if wanted, "
+      "normal_strength_N and shear_strength_N. Empty: bonds by the rule below.");
   s.quantity("Diameter", v.diameter, "mm", "60.2 mm", above(0), "Of the cylindrical specimen.");
   s.quantity("Height", v.height, "mm", "120.3 mm", above(0), "Of the specimen to be generated.");
   s.integer("Particles", v.n_particles, "6000", at_least(1), "Number of spheres to generate.");
   s.number("Solid fraction", v.solid_fraction, "0.7", Bounds{0, 0.9, false, false},
            "Volume of the spheres over volume of the cylinder.");
-  s.words("Grading", v.grading, "sma10", "Sizes of the spheres: " + grading_list() +
-          ". The named ones are estimates for a 0-10 mm stone mastic asphalt above 2 mm.");
-  s.pairs("Grading table", v.grading_table, "mm", "%", "",
-          "Sieve opening: share of the mass that passes; from 0 % to 100 %. For Grading = table. Mass "
-          "is spread evenly over the logarithm of the size between two sieves.");
+  s.words("Grading", v.grading, "sma10",
+          "Sizes of the spheres: " + grading_list() +
+              ". The named ones are estimates for a 0-10 mm stone mastic asphalt above 2 mm.");
+  s.pairs(
+      "Grading table", v.grading_table, "mm", "%", "",
+      "Sieve opening: share of the mass that passes; from 0 % to 100 %. For Grading = table. Mass "
+      "is spread evenly over the logarithm of the size between two sieves.");
   s.integer("Minimum contacts", v.min_contacts, "4", between(0, 6),
             "Every sphere gets at least so many contacts (walls included).");
   s.number("Contact gap", v.contact_gap, "0.001", Bounds{0, 0.1, false, false},
@@ -95,9 +99,10 @@ void declare_law(Schema& s, BondLawInput& v)
   s.optional_quantity("Maxwell viscosity", v.maxwell_viscosity, "none", "N s/m", "8.2e8 N s/m",
                       above(0),
                       "Dashpot in series (C_m, bur_cnm); 'none' for a solid that does not flow.");
-  s.quantities("Kelvin stiffness", v.kelvin_stiffness, "N/m", "5.0e5 N/m", at_least(0),
-               "Springs of the Kelvin branches (K_k, bur_knk), one per branch; one branch makes the "
-               "Burgers law.");
+  s.quantities(
+      "Kelvin stiffness", v.kelvin_stiffness, "N/m", "5.0e5 N/m", at_least(0),
+      "Springs of the Kelvin branches (K_k, bur_knk), one per branch; one branch makes the "
+      "Burgers law.");
   s.quantities("Kelvin viscosity", v.kelvin_viscosity, "N s/m", "8.4e6 N s/m", above(0),
                "Dashpots of the Kelvin branches (C_k, bur_cnk); retardation time = viscosity / "
                "stiffness.");
@@ -143,11 +148,10 @@ void declare_temperature(Schema& s, Scene::Temperature& v)
   s.quantity("Temperature", v.temperature, "degC", "20 degC", above(-273.15), "Of the test.");
   s.quantity("Reference temperature", v.reference, "degC", "20 degC", above(-273.15),
              "For which the bond laws hold as they are.");
-  s.choice<ShiftKind>("Shift law", v.shift,
-                      {{"none", ShiftKind::none},
-                       {"WLF", ShiftKind::wlf},
-                       {"Arrhenius", ShiftKind::arrhenius}},
-                      "none", "How the viscosities depend on temperature.");
+  s.choice<ShiftKind>(
+      "Shift law", v.shift,
+      {{"none", ShiftKind::none}, {"WLF", ShiftKind::wlf}, {"Arrhenius", ShiftKind::arrhenius}},
+      "none", "How the viscosities depend on temperature.");
   s.number("WLF C1", v.wlf_c1, "19", above(0), "Of log10 aT = -C1 (T - Tref) / (C2 + T - Tref).");
   s.quantity("WLF C2", v.wlf_c2, "K", "92 K", above(0), "Of the same.");
   s.quantity("Activation energy", v.activation_energy, "kJ/mol", "200 kJ/mol", above(0),
@@ -182,8 +186,9 @@ void declare_strength(Schema& s, Scene::Strength& v)
            "Strength ~ strain rate ^ exponent (eq. 5 of the paper); 0 switches it off.");
   s.quantity("Reference rate", v.rate_law.reference_rate, "1/s", "0.005 1/s", above(0),
              "Strain rate at which the distribution holds.");
-  s.quantity("Rate window", v.rate_law.window, "s", "1 s", at_least(0),
-             "The strain rate is averaged over this time, without elastic jumps; 0: instantaneous.");
+  s.quantity(
+      "Rate window", v.rate_law.window, "s", "1 s", at_least(0),
+      "The strain rate is averaged over this time, without elastic jumps; 0: instantaneous.");
   s.number("Rate window fraction", v.rate_law.window_fraction, "0.01", between(0, 1),
            "... or over this share of the time since the start, if that is longer.");
   s.quantity("Rate floor", v.rate_law.floor, "1/s", "1e-7 1/s", at_least(0),
@@ -256,8 +261,7 @@ void declare_output(Schema& s, Scene::Output& v)
              "First history time after 0 with log spacing.");
   s.quantities("Snapshot times", v.snapshot_times, "s", "none", at_least(0),
                "Times at which all particles and bonds are stored, besides the start and the end.");
-  s.quantities("Frequencies", v.frequencies, "Hz",
-               "0.01 Hz, 0.1 Hz, 1 Hz, 10 Hz, 25 Hz", above(0),
+  s.quantities("Frequencies", v.frequencies, "Hz", "0.01 Hz, 0.1 Hz, 1 Hz, 10 Hz, 25 Hz", above(0),
                "For the complex modulus (solver linear).");
   s.flag("ParaView", v.paraview, "true", "Write snapshots for ParaView.");
   s.flag("Plots", v.plots, "true", "Make the figures at the end.");
@@ -301,8 +305,8 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
 
 bool LoadedScene::has_errors() const
 {
-  return std::ranges::any_of(
-      diagnostics, [](const Diagnostic& d) { return d.kind == Diagnostic::Kind::error; });
+  return std::ranges::any_of(diagnostics,
+                             [](const Diagnostic& d) { return d.kind == Diagnostic::Kind::error; });
 }
 
 std::string estimated_keys(const LoadedScene& scene)
@@ -350,8 +354,7 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   return loaded;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file,
-                       const std::vector<std::string>& overrides)
+LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
 {
   return load_scene_text(read_text_file(file), file.string(), file.parent_path(), overrides);
 }

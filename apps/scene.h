@@ -43,16 +43,16 @@ struct Scene {
   struct Specimen {
     SpecimenSource source;
     std::string file, bond_file;
-    double diameter, height;         ///< [m]
+    double diameter, height; ///< [m]
     long n_particles;
     double solid_fraction;
     std::string grading;
     std::vector<std::pair<double, double>> grading_table; ///< opening [m], passing [-]
     long min_contacts;
     double contact_gap;
-    double residual_stress_bound;    ///< [Pa]
-    double preparation_stiffness;    ///< [N/m]
-    double density;                  ///< [kg/m^3]
+    double residual_stress_bound; ///< [Pa]
+    double preparation_stiffness; ///< [N/m]
+    double density;               ///< [kg/m^3]
     long seed;
     BondRule bond_rule;
     double mean_contacts, bond_gap;
@@ -69,8 +69,8 @@ struct Scene {
   struct Temperature {
     double temperature, reference; ///< [K]
     ShiftKind shift;
-    double wlf_c1, wlf_c2;         ///< [-], [K]
-    double activation_energy;      ///< [J/mol]
+    double wlf_c1, wlf_c2;    ///< [-], [K]
+    double activation_energy; ///< [J/mol]
   } temperature;
 
   struct Strength {
@@ -85,13 +85,13 @@ struct Scene {
 
   struct Load {
     TestKind test;
-    double stress;                        ///< axial, compression positive [Pa]
+    double stress; ///< axial, compression positive [Pa]
     bool true_stress;
-    std::optional<double> release_time;   ///< [s]
-    double strain_rate;                   ///< compression positive [1/s]
-    double end_time;                      ///< [s]
-    std::optional<double> end_strain;     ///< [-]
-    double strain_limit;                  ///< [-]
+    std::optional<double> release_time; ///< [s]
+    double strain_rate;                 ///< compression positive [1/s]
+    double end_time;                    ///< [s]
+    std::optional<double> end_strain;   ///< [-]
+    double strain_limit;                ///< [-]
     std::vector<std::pair<double, double>> stress_history, strain_history;
   } load;
 
@@ -102,11 +102,11 @@ struct Scene {
     std::string folder;
     long n_times;
     TimeSpacing spacing;
-    double first_time;                   ///< [s]
-    std::vector<double> snapshot_times;  ///< [s]
-    std::vector<double> frequencies;     ///< [Hz]
+    double first_time;                  ///< [s]
+    std::vector<double> snapshot_times; ///< [s]
+    std::vector<double> frequencies;    ///< [Hz]
     bool paraview, plots;
-    double checkpoint_interval;          ///< wall time [s]
+    double checkpoint_interval; ///< wall time [s]
   } output;
 
   struct Study {
@@ -125,9 +125,9 @@ struct LoadedScene {
   std::unique_ptr<Units> units;
   std::unique_ptr<Schema> schema;
   std::vector<Diagnostic> diagnostics;
-  std::filesystem::path folder;  ///< relative file names start here
-  std::string name;              ///< of the file, without folder and ending
-  std::string text;              ///< as typed
+  std::filesystem::path folder; ///< relative file names start here
+  std::string name;             ///< of the file, without folder and ending
+  std::string text;             ///< as typed
 
   bool has_errors() const;
 };

@@ -22,9 +22,11 @@ public:
   void tell(Diagnostic::Kind kind, const std::string& key, const std::string& message)
   {
     const auto found = schema_.set_keys().find(key);
-    const std::string place = found != schema_.set_keys().end() ? found->second : key + " (not set)";
+    const std::string place =
+        found != schema_.set_keys().end() ? found->second : key + " (not set)";
     const bool typed = found != schema_.set_keys().end();
-    list.push_back({kind, place, typed ? key.substr(key.rfind('/') + 1) + ": " + message : message});
+    list.push_back(
+        {kind, place, typed ? key.substr(key.rfind('/') + 1) + ": " + message : message});
   }
   void error(const std::string& key, const std::string& message)
   {
@@ -141,8 +143,8 @@ void check_preset(const Scene& scene, Findings& findings)
                                   "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
                                   "Strength/Distribution"};
   if (scene.strength.kind == StrengthKind::normal)
-    needed.insert(needed.end(), {"Strength/Mean", "Strength/Standard deviation",
-                                 "Strength/Nonpositive draws"});
+    needed.insert(needed.end(),
+                  {"Strength/Mean", "Strength/Standard deviation", "Strength/Nonpositive draws"});
   if (scene.strength.kind == StrengthKind::weibull)
     needed.insert(needed.end(), {"Strength/Modulus", "Strength/Scale"});
   for (const std::string& key : needed)
@@ -195,8 +197,7 @@ void check_solver(const Scene& scene, Findings& findings)
 {
   if (scene.solver == SolverChoice::linear && scene.load.true_stress)
     findings.error("Solver", "linear takes nominal stress only; use events");
-  if (scene.solver == SolverChoice::events &&
-      scene.after_breakage == dem::AfterBreakage::friction)
+  if (scene.solver == SolverChoice::events && scene.after_breakage == dem::AfterBreakage::friction)
     findings.error("Bonds/After breakage", "friction needs the solver dynamic");
 }
 

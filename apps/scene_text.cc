@@ -109,7 +109,8 @@ private:
     Paths open = open_;
     open.push_back(identity(path));
     if (std::ranges::find(open_, open.back()) != open_.end()) {
-      error(fmt::format("'include {}': the file includes itself, directly or through others", file));
+      error(
+          fmt::format("'include {}': the file includes itself, directly or through others", file));
       return;
     }
     try {
@@ -186,8 +187,7 @@ SceneEntry override_entry(const std::string& text)
   const std::size_t equals = text.find('=');
   std::vector<std::string> path = split(text.substr(0, std::min(equals, text.size())), '/');
   if (equals == std::string::npos || path.empty() || path.back().empty())
-    throw std::invalid_argument(
-        fmt::format("--set \"{}\": write \"Section/Key = value\"", text));
+    throw std::invalid_argument(fmt::format("--set \"{}\": write \"Section/Key = value\"", text));
   if (text.find_first_of("#\n\r") != std::string::npos || trimmed(text).ends_with('\\'))
     throw std::invalid_argument(fmt::format(
         "--set \"{}\": '#', line breaks and a backslash at the end cannot stand in a scene", text));

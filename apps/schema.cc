@@ -39,9 +39,9 @@ std::string path_of(const std::string& section, const std::string& key)
 std::string si_unit_of(const std::string& unit)
 {
   static const std::map<std::string, std::string> table{
-      {"mm", "m"},           {"kPa", "Pa"},      {"degC", "K"},  {"%", "1"},      {"s", "s"},
-      {"N/m", "N/m"},        {"N s/m", "N s/m"}, {"N", "N"},     {"1/s", "1/s"},  {"kg/m^3", "kg/m^3"},
-      {"K", "K"},            {"kJ/mol", "J/mol"}, {"Hz", "Hz"},  {"1", "1"}};
+      {"mm", "m"},    {"kPa", "Pa"},       {"degC", "K"}, {"%", "1"},     {"s", "s"},
+      {"N/m", "N/m"}, {"N s/m", "N s/m"},  {"N", "N"},    {"1/s", "1/s"}, {"kg/m^3", "kg/m^3"},
+      {"K", "K"},     {"kJ/mol", "J/mol"}, {"Hz", "Hz"},  {"1", "1"}};
   return table.at(unit);
 }
 
@@ -120,9 +120,8 @@ double Schema::checked(const std::string& text, const std::string& unit, const B
   refuse_odd_unit(text, unit);
   const double value = units_.parse(text, unit, unit);
   if (!bounds.contain(value))
-    throw std::invalid_argument(
-        fmt::format("'{}' is out of range, allowed: {}{}", trimmed(text), bounds.text(),
-                    unit == "1" ? "" : " " + unit));
+    throw std::invalid_argument(fmt::format("'{}' is out of range, allowed: {}{}", trimmed(text),
+                                            bounds.text(), unit == "1" ? "" : " " + unit));
   return units_.convert(value, unit, si_unit);
 }
 
@@ -166,9 +165,8 @@ void Schema::quantity(const std::string& key, double& target, const std::string&
   const std::string si = si_unit_of(unit);
   if (unit != "1")
     default_units_[path_of(section_, key)] = unit;
-  declare_parsed(
-      key, target, initial, text, range_text(unit, bounds),
-      [=, this](const std::string& typed) { return checked(typed, unit, bounds, si); });
+  declare_parsed(key, target, initial, text, range_text(unit, bounds),
+                 [=, this](const std::string& typed) { return checked(typed, unit, bounds, si); });
 }
 
 void Schema::quantities(const std::string& key, std::vector<double>& target,
@@ -336,9 +334,8 @@ std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)
     }
     if (const auto unit = default_units_.find(path);
         unit != default_units_.end() && has_bare_number(entry.value))
-      tell(Diagnostic::Kind::note,
-           fmt::format("{} = {}: no unit given, taken as {}", entry.key, entry.value,
-                       unit->second));
+      tell(Diagnostic::Kind::note, fmt::format("{} = {}: no unit given, taken as {}", entry.key,
+                                               entry.value, unit->second));
     for (const std::string& section : entry.sections)
       handler_.enter_subsection(section);
     handler_.set(entry.key, entry.value);
@@ -351,9 +348,8 @@ std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)
 
 bool Schema::is_default(const std::string& path) const
 {
-  const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) {
-    return path_of(k.section, k.name) == path;
-  });
+  const auto key = std::find_if(keys_.begin(), keys_.end(),
+                                [&](const Key& k) { return path_of(k.section, k.name) == path; });
   std::vector<std::string> sections;
   if (!key->section.empty())
     sections.push_back(key->section);

@@ -25,10 +25,22 @@ struct Bounds {
   std::string text() const; ///< "> 0", "0 to 1"; empty if all values are allowed
 };
 
-inline Bounds above(double low) { return {low, std::numeric_limits<double>::infinity(), false, true}; }
-inline Bounds at_least(double low) { return {low}; }
-inline Bounds between(double low, double high) { return {low, high}; }
-inline Bounds any() { return {}; }
+inline Bounds above(double low)
+{
+  return {low, std::numeric_limits<double>::infinity(), false, true};
+}
+inline Bounds at_least(double low)
+{
+  return {low};
+}
+inline Bounds between(double low, double high)
+{
+  return {low, high};
+}
+inline Bounds any()
+{
+  return {};
+}
 
 /// The keys of a scene: each declaration binds name, variable, unit, default, range and text.
 ///
@@ -78,9 +90,8 @@ public:
     std::vector<std::string> names;
     for (const auto& option : options)
       names.push_back(option.first);
-    declare_choice(key, names, initial, text, [&target, options](std::size_t k) {
-      target = options[k].second;
-    });
+    declare_choice(key, names, initial, text,
+                   [&target, options](std::size_t k) { target = options[k].second; });
   }
 
   /// Sets variables in the order of the entries; later ones win, but twice in one file is an error.

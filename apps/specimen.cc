@@ -31,8 +31,7 @@ dem::BondLaw bond_law(const BondLawInput& input, double shift)
     branches.push_back({input.kelvin_stiffness[k], input.kelvin_viscosity[k]});
   const dem::CreepLaw law =
       dem::make_creep_law(input.maxwell_stiffness, input.maxwell_viscosity, branches);
-  return {dem::with_viscosities_scaled(law, shift), input.normal_to_shear,
-          input.radius_multiplier};
+  return {dem::with_viscosities_scaled(law, shift), input.normal_to_shear, input.radius_multiplier};
 }
 
 /// The law of section Bonds for all pairs of classes that no other section names.
@@ -62,9 +61,10 @@ std::vector<double> listed_strengths(const CsvTable& table, const std::string& c
   const std::vector<double> strengths = table.numbers(column, "N");
   for (std::size_t row = 0; row < strengths.size(); ++row)
     if (strengths[row] < 0)
-      throw std::invalid_argument(fmt::format("{}: column '{}': a strength must be >= 0, found {:g} "
-                                              "N",
-                                              table.place(row), column, strengths[row]));
+      throw std::invalid_argument(
+          fmt::format("{}: column '{}': a strength must be >= 0, found {:g} "
+                      "N",
+                      table.place(row), column, strengths[row]));
   return strengths;
 }
 
@@ -88,9 +88,9 @@ void read_bonds(dem::Assembly& assembly, const CsvTable& table, const std::strin
                                        "'normal_strength' (with its unit, such as "
                                        "normal_strength_N)");
   if (normal)
-    assembly.strengths = dem::Strengths{
-        listed_strengths(table, "normal_strength"),
-        listed_strengths(table, shear ? "shear_strength" : "normal_strength"), 0};
+    assembly.strengths =
+        dem::Strengths{listed_strengths(table, "normal_strength"),
+                       listed_strengths(table, shear ? "shear_strength" : "normal_strength"), 0};
 }
 
 void bond_contacts(Specimen& specimen, const Scene::Specimen& v)
@@ -172,9 +172,9 @@ dem::PackingRequest packing_request(const Scene& scene)
 std::string packing_recipe(const Scene& scene)
 {
   const Scene::Specimen& v = scene.specimen;
-  std::string recipe = fmt::format(
-      "diameter {} m, height {} m, {} particles, solid fraction {}, grading {}", v.diameter,
-      v.height, v.n_particles, v.solid_fraction, v.grading);
+  std::string recipe =
+      fmt::format("diameter {} m, height {} m, {} particles, solid fraction {}, grading {}",
+                  v.diameter, v.height, v.n_particles, v.solid_fraction, v.grading);
   for (const auto& [opening, share] : v.grading_table)
     recipe += fmt::format(" {}:{}", opening, share);
   return recipe + fmt::format(", min contacts {}, contact gap {}, stress bound {} Pa, preparation "

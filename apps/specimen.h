@@ -15,8 +15,8 @@ struct Packing {
   dem::Particles particles;
   std::optional<std::vector<dem::Support>> support; ///< from the file, if it says
   std::vector<dem::ParticleLoad> loads;
-  dem::PlatenHeights platens;                       ///< [m]
-  std::string origin;                               ///< "generated, seed 1" or the file
+  dem::PlatenHeights platens; ///< [m]
+  std::string origin;         ///< "generated, seed 1" or the file
 };
 
 /// The request for a generated specimen.
@@ -36,7 +36,8 @@ std::string packing_recipe(const Scene& scene);
 void write_packing(const std::filesystem::path& file, const Packing& packing,
                    const std::string& recipe);
 
-/// \throws std::invalid_argument if the file is damaged or, for a given recipe, was made from another
+/// \throws std::invalid_argument if the file is damaged or, for a given recipe, was made from
+/// another
 Packing read_packing(const std::filesystem::path& file, const std::optional<std::string>& recipe);
 
 /// Factor a_T on all viscosities at the temperature of the test.
@@ -51,8 +52,8 @@ std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift);
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {
   dem::Assembly assembly;
-  double bond_gap;            ///< largest bonded gap over the smaller radius
-  double viscosity_shift;     ///< a_T [-]
+  double bond_gap;        ///< largest bonded gap over the smaller radius
+  double viscosity_shift; ///< a_T [-]
 };
 Specimen make_specimen(const LoadedScene& scene, const Packing& packing);
 

@@ -215,16 +215,15 @@ std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
   if (solver == SolverChoice::linear)
     return make_linear_run(assembly, loading, scene.strength.rate_law, scene.load.strain_limit);
   if (solver == SolverChoice::events)
-    return std::make_unique<EventsRun>(
-        dem::make_events_model(assembly, loading, scene.strength.rate_law,
-                               scene.after_breakage, scene.load.strain_limit));
+    return std::make_unique<EventsRun>(dem::make_events_model(
+        assembly, loading, scene.strength.rate_law, scene.after_breakage, scene.load.strain_limit));
   dem::DynamicSettings settings = scene.dynamic;
   settings.after_breakage = scene.after_breakage;
   settings.friction = scene.friction;
-  return std::make_unique<DynamicRun>(
-      dem::make_dynamic_model(assembly, loading, scene.strength.rate_law, settings,
-                              scene.load.strain_limit),
-      n_threads);
+  return std::make_unique<DynamicRun>(dem::make_dynamic_model(assembly, loading,
+                                                              scene.strength.rate_law, settings,
+                                                              scene.load.strain_limit),
+                                      n_threads);
 }
 
 } // namespace apps

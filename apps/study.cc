@@ -63,7 +63,8 @@ LoadedScene scene_of(const LoadedScene& study, const StudyRun& run,
                      const std::filesystem::path& folder)
 {
   std::vector<std::string> settings{run.override_text, "Study/Vary =", "Study/Values =",
-                                    "Output/Folder = " + absolute_folder(folder / run.name).string()};
+                                    "Output/Folder = " +
+                                        absolute_folder(folder / run.name).string()};
   const std::string text = study.schema->print(false), name = run.name + ".scene";
   const LoadedScene varied = load_scene_text(text, name, study.folder, settings);
   const auto full_name = [&](const std::string& file) {
@@ -329,8 +330,8 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
   if (scene.scene->output.plots && !results.empty())
     for (const std::string& figure : make_figures(results, folder))
       fmt::print("figure {}\n", figure);
-  fmt::print("{}: {} of {} runs finished, results in {}\n", scene.name, results.size(),
-             runs.size(), folder.string());
+  fmt::print("{}: {} of {} runs finished, results in {}\n", scene.name, results.size(), runs.size(),
+             folder.string());
   return worst_code(runs, pool.exit_codes);
 }
 
@@ -340,8 +341,7 @@ int resume_study(const std::filesystem::path& folder, const RunOptions& options)
   const std::string text = read_text_file(folder / study_scene);
   std::vector<std::string> overrides = options.overrides;
   overrides.push_back("Output/Folder = " + folder.string());
-  LoadedScene scene =
-      load_scene_text(text, study_scene, noted(text, folder_mark), overrides);
+  LoadedScene scene = load_scene_text(text, study_scene, noted(text, folder_mark), overrides);
   scene.name = noted(text, name_mark);
   print_diagnostics(scene.diagnostics);
   if (scene.has_errors())

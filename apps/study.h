@@ -23,8 +23,8 @@ std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file
                                          const std::vector<StudyRun>& runs);
 
 /// Runs a study: each run in a process and a folder of its own, as many at a time as there are
-/// threads, and figures of all runs together. Runs that have finished before are kept when it is resumed.
-/// \return the exit code
+/// threads, and figures of all runs together. Runs that have finished before are kept when it is
+/// resumed. \return the exit code
 int run_study(LoadedScene scene, const RunOptions& options, bool resume);
 
 /// Goes on with a study from its folder.

@@ -116,8 +116,11 @@ std::vector<std::array<dem::Index, 2>> stored_ends(const dem::Hdf5File& file)
 
 std::string packing_csv(const Packing& packing)
 {
-  std::vector<Column> columns{{"x_mm", "mm", {}}, {"y_mm", "mm", {}}, {"z_mm", "mm", {}},
-                              {"r_mm", "mm", {}}, {"class", "1", {}}};
+  std::vector<Column> columns{{"x_mm", "mm", {}},
+                              {"y_mm", "mm", {}},
+                              {"z_mm", "mm", {}},
+                              {"r_mm", "mm", {}},
+                              {"class", "1", {}}};
   for (std::size_t i = 0; i < packing.particles.size(); ++i) {
     for (int k = 0; k < 3; ++k)
       columns[std::size_t(k)].values.push_back(1e3 * packing.particles.centre[i][k]);
@@ -219,8 +222,7 @@ int new_verb(const std::string& kind)
 {
   const std::map<std::string, std::vector<std::string>> kinds{
       {"creep", {"Title = Creep at constant stress"}},
-      {"constant-rate",
-       {"Title = Constant strain rate", "Loading/Test = constant rate"}},
+      {"constant-rate", {"Title = Constant strain rate", "Loading/Test = constant rate"}},
       {"history",
        {"Title = Stress history", "Loading/Test = stress history",
         "Loading/Stress history = 0 s: 0 kPa, 10 s: 400 kPa, 100 s: 400 kPa, 100 s: 0 kPa, 500 s: "
@@ -302,7 +304,8 @@ int info_verb(const std::string& name)
   const std::string kind = file.text_attribute("", "kind");
   fmt::print("{}: {}\n", path.string(), kind);
   if (kind == "packing") {
-    fmt::print("  {}\n  {}\n", file.text_attribute("", "origin"), file.text_attribute("", "recipe"));
+    fmt::print("  {}\n  {}\n", file.text_attribute("", "origin"),
+               file.text_attribute("", "recipe"));
     return exit_ok;
   }
   if (kind == "checkpoint") {
