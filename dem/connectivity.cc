@@ -121,6 +121,8 @@ std::string equilibrium_obstacle(const ElasticNetwork& network, const Pieces& pi
 {
   if (network.platen_dof >= 0 && !pieces.platens_connected)
     return "no chain of bonds connects the platens any more";
+  if (network.n_dofs == 0)
+    return "all particles are held: there is nothing to move";
   for (std::size_t i = 0; i < pieces.piece.size(); ++i)
     if (pieces.of(Index(i)) == PieceHold::dropped)
       return fmt::format("particle {} is loaded, but nothing holds the piece it belongs to", i);

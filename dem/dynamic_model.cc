@@ -132,6 +132,10 @@ DynamicModel make_dynamic_model(const Assembly& assembly, const Loading& loading
     model.force[model.slot[load.particle]] += load.force;
     model.moment[model.slot[load.particle]] += load.moment;
   }
+  for (std::size_t s = 0; s < model.force.size(); ++s)
+    if (model.support[s] == Support::free &&
+        !(model.force[s].isZero(0) && model.moment[s].isZero(0)))
+      model.loaded.push_back(Index(s));
   return model;
 }
 

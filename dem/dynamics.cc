@@ -268,12 +268,28 @@ void sum_contacts(const DynamicModel& model, DynamicState& state, Scratch& scrat
                    scratch.contact_lower);
 }
 
+/// Mean displacement of the loads on particles, conjugate to their work as in the other solvers
+/// [m].
+double displacement_of_loads(const DynamicModel& model, const DynamicState& state)
+{
+  double work = 0, squares = 0;
+  for (const Index s : model.loaded) {
+    const Vec3 now = Eigen::Map<const Vec3>(state.motions.data() + std::size_t(s) * motion_stride);
+    work += model.force[s].dot(now - model.assembly.particles.centre[model.particle[s]]) +
+            model.moment[s].dot(state.rotation[s]);
+    squares += model.force[s].squaredNorm() + (model.moment[s] / model.radius[s]).squaredNorm();
+  }
+  return squares > 0 ? work / std::sqrt(squares) : 0;
+}
+
 /// What one thread does after each step.
 void keep_books(const DynamicModel& model, DynamicState& state, Scratch& scratch)
 {
   const PlatenForces on_platens = platen_forces(model, state, scratch);
   state.force_on_upper = on_platens.upper;
   state.force_on_lower = on_platens.lower;
+  if (!loaded_by_platen(model.assembly))
+    state.displacement = displacement_of_loads(model, state);
   std::vector<Index> broken;
   for (std::vector<Index>& part : scratch.broken) {
     broken.insert(broken.end(), part.begin(), part.end());

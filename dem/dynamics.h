@@ -45,6 +45,7 @@ struct DynamicModel {
   std::vector<Support> support;
   std::vector<int> material_class;
   std::vector<Vec3> force, moment; ///< loads per unit of the load factor
+  std::vector<Index> loaded;       ///< free slots on which loads act
 };
 
 /// \param time_step  simulated [s]; 0 takes the critical step times the safety
@@ -64,8 +65,8 @@ struct DynamicState {
   DynamicContacts contacts;
   std::vector<double> initial_distance; ///< of the ends of each bond [m]
   AlignedDoubles forces;                ///< force_stride numbers per slot, at the present positions
-  double displacement = 0;              ///< of the upper platen relative to the lower [m]
-  double servo_velocity = 0;            ///< integral part of the servo [m/s]
+  double displacement = 0;   ///< of the upper platen relative to the lower, or of the loads [m]
+  double servo_velocity = 0; ///< integral part of the servo [m/s]
   double force_on_upper = 0, force_on_lower = 0; ///< by the platens, tension positive [N]
   std::vector<double> samples; ///< of the displacement, every `steps_per_sample` steps
   double strength_factor = std::numeric_limits<double>::infinity();

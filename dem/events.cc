@@ -45,19 +45,20 @@ ForceSegment force_segment(const EventsModel& model, const CreepState<double>& b
 /// Makes the force of a segment follow the area of the specimen; returns how far that is accurate.
 double follow_area(ForceSegment& segment, const EventsModel& model, double latest_end)
 {
-  const double rate = std::abs(inelastic_rate(model.creep.law, segment.state));
-  const double dt =
-      std::min(latest_end - segment.start, true_stress_strain_step * model.gauge_length / rate);
-  if (!(segment.start + dt > segment.start))
-    return latest_end;
-  const double value =
-      load_value(model.loading, segment.start) + load_rate(model.loading, segment.start) * dt;
-  for (int k = 0; k < 60; ++k) {
-    const double step = segment.compliance * segment.load_rate * dt;
-    const double length = displacement(creep_step(model.creep.law, segment.state, step, dt));
-    segment.load_rate = (value / (1 + length / model.gauge_length) - segment.load) / dt;
+  const double length_before = displacement(segment.state);
+  for (double dt = latest_end - segment.start; segment.start + dt > segment.start; dt *= 0.5) {
+    const double value =
+        load_value(model.loading, segment.start) + load_rate(model.loading, segment.start) * dt;
+    double length = length_before;
+    for (int k = 0; k < 60; ++k) {
+      segment.load_rate = (value / (1 + length / model.gauge_length) - segment.load) / dt;
+      const double step = segment.compliance * segment.load_rate * dt;
+      length = displacement(creep_step(model.creep.law, segment.state, step, dt));
+    }
+    if (std::abs(length - length_before) <= true_stress_strain_step * model.gauge_length)
+      return segment.start + dt;
   }
-  return segment.start + dt;
+  return latest_end;
 }
 
 /// The same for a prescribed displacement.
@@ -318,7 +319,11 @@ std::vector<BondChange> EventsSolver::contacts_to_open(const EventsState& state,
   std::vector<BondChange> changes;
   if (model_->after_breakage == AfterBreakage::leave)
     return changes;
-  const double load = dem::load(state.history.segments.back(), model_->creep, time);
+  const LoadSegment& segment = state.history.segments.back();
+  double load = dem::load(segment, model_->creep, time);
+  if (load == 0 && time < end_time(model_->loading)) // what the load is about to do
+    load = dem::load(segment, model_->creep,
+                     shortly_after(time, next_breakpoint(model_->loading, time)));
   double largest = 0;
   for (const ForcePair& force : ratios_.force)
     largest = std::max(largest, std::abs(load * force.normal));

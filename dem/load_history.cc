@@ -205,7 +205,9 @@ std::optional<double> first_strain(const LoadHistory& history, double limit, dou
 std::optional<double> first_turn(const LoadHistory& history, double from, double to)
 {
   const auto at = [&](double time) { return load(segment_at(history, time), history.creep, time); };
-  const double before = at(from);
+  double before = at(from);
+  if (before == 0) // sets out from nothing: the sign that follows
+    before = at(shortly_after(from, to));
   const auto turned = [&](double time) { return at(time) * before < 0; };
   const auto surely_not = [&](double a, double b) {
     const Range loads = load_range(segment_at(history, a), history.creep, a, b);

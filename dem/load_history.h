@@ -47,7 +47,14 @@ std::optional<double> first_breakage(const LoadHistory& history, const RateLaw& 
 std::optional<double> first_strain(const LoadHistory& history, double limit, double from,
                                    double to);
 
-/// First time in [from, to] at which the load has the other sign than at `from`.
+/// A time after `from` so early that what grows from 0 has the sign that it keeps for a while.
+inline double shortly_after(double from, double to)
+{
+  return from + 1e-9 * (to - from);
+}
+
+/// First time in [from, to] at which the load has the other sign than at `from` (if it is 0 there:
+/// than right after).
 std::optional<double> first_turn(const LoadHistory& history, double from, double to);
 
 } // namespace dem

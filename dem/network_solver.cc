@@ -16,7 +16,8 @@ constexpr int most_columns = 900;
 constexpr int most_changes = 60;
 /// Pivot of I - Y^T Y below which a change leaves (nearly) no stiffness in some direction.
 constexpr double smallest_pivot = 1e-10;
-constexpr double residual_tolerance = 1e-11;
+/// Residual over load at which a solution is refined, and that it may have then.
+constexpr double residual_tolerance = 1e-11, refined_tolerance = 1e-8;
 
 /// Modes that a bond loses, as columns over its free dofs.
 struct LostModes {
@@ -63,7 +64,8 @@ NetworkSolver::NetworkSolver(const ElasticNetwork& network, const Damage& damage
       status[change.bond] = change.status;
   }
   pieces_ = find_pieces(network, status);
-  respond(status);
+  if (!respond(status) && obstacle_.empty())
+    obstacle_ = "the remaining bonds and contacts are nearly a mechanism";
 }
 
 Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
@@ -79,15 +81,17 @@ Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
       [&](int k) { return pieces_.hold[k]; });
   if (std::ssize(changes) <= most_changes &&
       columns_.size() + 6 * std::ssize(changes) <= most_columns && same_holds &&
-      update(before, changes)) {
+      (network_->platen_dof < 0 || pieces.platens_connected) && update(before, changes)) {
     damage.updates.emplace_back(changes.begin(), changes.end());
     pieces_ = pieces;
-  } else {
-    damage.factorised = damage.status;
-    damage.updates.clear();
-    factorise(damage.status);
+    if (respond(damage.status))
+      return damage;
   }
-  respond(damage.status);
+  damage.factorised = damage.status;
+  damage.updates.clear();
+  factorise(damage.status);
+  if (!respond(damage.status) && obstacle_.empty())
+    obstacle_ = "the remaining bonds and contacts are nearly a mechanism";
   return damage;
 }
 
@@ -207,20 +211,23 @@ NetworkForces NetworkSolver::grounded(std::span<const BondStatus> status,
   return forces;
 }
 
-void NetworkSolver::respond(std::span<const BondStatus> status)
+/// False if there is no response, or none that fulfils the equations.
+bool NetworkSolver::respond(std::span<const BondStatus> status)
 {
   response_.reset();
   if (!obstacle_.empty())
-    return;
+    return false;
   Eigen::VectorXd x = solved(half_solved_load_, reduced_load_);
   NetworkForces forces = grounded(status, x);
   const double load = network_->unit_load.norm();
   if (const Eigen::VectorXd residual = network_->unit_load - forces.nodal;
-      residual.norm() > residual_tolerance * load) {
+      !(residual.norm() <= residual_tolerance * load)) {
     const Eigen::VectorXd y = factor_.half_solve(residual);
     x += solved(y, reduced(y));
     forces = grounded(status, x);
     ++statistics_.n_refinements;
+    if (!((network_->unit_load - forces.nodal).norm() <= refined_tolerance * load))
+      return false;
   }
   const double work = network_->unit_load.dot(x);
   double ground_work = 0;
@@ -231,6 +238,7 @@ void NetworkSolver::respond(std::span<const BondStatus> status)
   ground_energy_share_ = work > 0 ? ground_work / work : 0;
   bond_forces_ = std::move(forces.bond);
   response_ = std::move(x);
+  return true;
 }
 
 } // namespace dem

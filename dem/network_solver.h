@@ -45,7 +45,7 @@ public:
   Damage apply(Damage damage, std::span<const BondChange> changes);
 
   /// Dofs under the unit load, or nothing if the network cannot carry it: `obstacle()` says why.
-  /// Residual at most 1e-11 of the load (one step of refinement if needed).
+  /// Residual at most 1e-11 of the load, or 1e-8 after one step of refinement.
   const std::optional<Eigen::VectorXd>& response() const { return response_; }
   const std::string& obstacle() const { return obstacle_; }
 
@@ -69,7 +69,7 @@ private:
   void factorise(std::span<const BondStatus> status);
   bool update(std::span<const BondStatus> before, std::span<const BondChange> changes);
   bool remove(const SupernodalFactor::SparseColumns& lost);
-  void respond(std::span<const BondStatus> status);
+  bool respond(std::span<const BondStatus> status);
   Eigen::VectorXd solved(Eigen::VectorXd half_solved_load, Eigen::VectorXd reduced_load) const;
   Eigen::VectorXd reduced(const Eigen::VectorXd& half_solved_load) const;
   NetworkForces grounded(std::span<const BondStatus> status, const Eigen::VectorXd& x) const;

@@ -213,7 +213,7 @@ SoftSpheres with_contacts(SoftSpheres spheres, NearSpheres& near, const PackingR
 /// again.
 SoftSpheres without_floaters(SoftSpheres spheres, NearSpheres& near, const PackingRequest& request)
 {
-  constexpr int n_attempts = 20;
+  constexpr int n_attempts = 100;
   for (int attempt = 0; attempt < n_attempts; ++attempt) {
     for (int sweep = 0; sweep < 2; ++sweep)
       spheres = fit_floaters(std::move(spheres), near, request.min_contacts, request.contact_gap);

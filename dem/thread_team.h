@@ -8,8 +8,8 @@ namespace dem {
 
 /// Where threads wait for each other, some thousand times a second.
 ///
-/// They spin for some microseconds, which is all it takes on a quiet machine, then give way: on a
-/// machine that has other work a spinning thread would keep the one it waits for from running.
+/// They spin for some microseconds, which is all it takes on a quiet machine, then sleep: where
+/// processors are scarce a spinning thread would keep the one it waits for from running.
 class MeetingPoint {
 public:
   explicit MeetingPoint(int n_threads) : n_threads_(n_threads) {}
@@ -17,17 +17,19 @@ public:
   /// Returns when all threads have come; what each did before, all see after.
   void wait()
   {
-    const long round = round_.load(std::memory_order_relaxed);
+    const int round = round_.load(std::memory_order_relaxed);
     if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == n_threads_) {
       arrived_.store(0, std::memory_order_relaxed);
       round_.store(round + 1, std::memory_order_release);
+      round_.notify_all();
       return;
     }
-    for (int spins = 0; round_.load(std::memory_order_acquire) == round; ++spins)
-      if (spins > most_spins)
-        std::this_thread::yield();
-      else
-        pause();
+    for (int spins = 0; spins < most_spins; ++spins) {
+      if (round_.load(std::memory_order_acquire) != round)
+        return;
+      pause();
+    }
+    round_.wait(round, std::memory_order_acquire);
   }
 
 private:
@@ -42,16 +44,33 @@ private:
 
   int n_threads_;
   std::atomic<int> arrived_{0};
-  std::atomic<long> round_{0};
+  std::atomic<int> round_{0};
 };
 
-/// Calls work(0) here and work(1) ... work(n - 1) on threads of their own; returns when all are
-/// done. The work must not throw.
+/// Calls work(0) here and work(1) ... work(n - 1) on threads of their own, once all of them are
+/// there; returns when all are done. The work must not throw.
+/// \throws std::system_error if the threads cannot be had; no work is done then
 inline void run_on_threads(int n_threads, const std::function<void(int)>& work)
 {
+  enum Gate { closed, open, cancelled };
+  std::atomic<int> gate{closed};
+  const auto let = [&](Gate now) {
+    gate.store(now);
+    gate.notify_all();
+  };
   std::vector<std::jthread> others;
-  for (int k = 1; k < n_threads; ++k)
-    others.emplace_back(work, k);
+  try {
+    for (int k = 1; k < n_threads; ++k)
+      others.emplace_back([&, k] {
+        gate.wait(closed);
+        if (gate.load() == open)
+          work(k);
+      });
+  } catch (...) {
+    let(cancelled);
+    throw;
+  }
+  let(open);
   work(0);
 }
 

@@ -355,6 +355,50 @@ TEST(Events, TrueStressFollowsTheArea)
               1e-7 * std::abs(last.strain));
 }
 
+TEST(Events, TrueStressFollowsTheAreaOnRamps)
+{
+  const Assembly assembly = pair(laws::burgers_set("asphalt"), 1e9);
+  Loading loading{Loading::Control::force, {{0, 0}, {1000, -100}}};
+  loading.true_stress = true;
+  const EventsModel model =
+      make_events_model(assembly, loading, constant_strength, AfterBreakage::leave, never);
+  EventsSolver solver(model);
+  EventsState state = solver.start();
+  for (const double time : {1.0, 250.0, 500.0, 750.0, 990.0}) {
+    while (solver.next_change(state) <= time)
+      state = solver.step(std::move(state));
+    const Response now = solver.response(state, time);
+    EXPECT_NEAR(now.force * (1 + now.strain), -0.1 * time, 1e-7 * 100) << "t = " << time;
+  }
+}
+
+TEST(Events, PressedContactsOpenWhenTheLoadTurnsAtABreakpoint)
+{
+  // Sheared off under compression the contact stays pressed; pulled, it must let go at once.
+  Assembly assembly = assemblies::bonded(
+      {{0, 0, 0}, {0, 0.6, 0.8}, {0, -0.6, 0.8}, {0, 0, 1.6}}, {0.5, 0.5, 0.5, 0.5},
+      {Support::bottom, Support::free, Support::free, Support::top},
+      {{0, 1}, {0, 2}, {1, 3}, {2, 3}, {1, 2}}, BondLaw{laws::burgers_set("asphalt"), 11, 1});
+  assembly.strengths = Strengths{std::vector<double>(5, 1e9), {1, 1e9, 1e9, 1e9, 1e9}, 0};
+  assembly.gauge_length = 1.6;
+  for (const double halfway : {20.0, 19.0}) { // through 0 at a breakpoint, and inside a slope
+    Loading loading{
+        Loading::Control::force,
+        {{0, 0}, {10, -100}, {halfway, halfway == 20 ? 0.0 : -10.0}, {30, 100}, {40, 0}}};
+    const EventsModel model =
+        make_events_model(assembly, loading, constant_strength, AfterBreakage::pressed, never);
+    EventsSolver solver(model);
+    EventsState state = solver.start();
+    while (solver.next_change(state) <= 15)
+      state = solver.step(std::move(state));
+    EXPECT_EQ(state.damage.status[0], BondStatus::pressed);
+    while (solver.next_change(state) <= 21)
+      state = solver.step(std::move(state));
+    EXPECT_EQ(state.damage.status[0], BondStatus::gone);
+    EXPECT_EQ(state.n_opened, 1);
+  }
+}
+
 TEST(Events, EndsAtTheStrainLimit)
 {
   const Assembly assembly = pair(laws::burgers_set("asphalt"), 1e9);
