@@ -38,11 +38,12 @@ void print_scaling_audit(const RunInProgress& r, const std::filesystem::path& fo
   double worst_late = 0, worst_time = 0;
   const double last = r.record.history.back().time;
   for (const dem::Response& found : r.record.history) {
-    while (!exact->ended() && !exact->reached(found.time))
-      exact->work_towards(found.time);
-    if (exact->ended() && exact->time() < found.time)
+    const double time = std::min(found.time, dem::end_time(r.loading)); // the last step goes beyond
+    while (!exact->ended() && !exact->reached(time))
+      exact->work_towards(time);
+    if (exact->ended() && exact->time() < time)
       break;
-    const dem::Response expected = exact->response(found.time);
+    const dem::Response expected = exact->response(time);
     const double row[] = {found.time, -100 * found.strain, -100 * expected.strain,
                           double(found.n_broken), double(expected.n_broken)};
     for (std::size_t k = 0; k < columns.size(); ++k)
@@ -54,14 +55,14 @@ void print_scaling_audit(const RunInProgress& r, const std::filesystem::path& fo
     }
   }
   write_text_file(folder / "audit.csv", csv(columns));
-  if (columns[0].values.size() < 2)
+  if (columns[0].values.size() < 2 || columns[2].values.back() == 0)
     return;
   fmt::print("  scaling audit against '{}' (x = {:g}): strain off by up to {:.2g} % in the last 90 "
-             "% of the time (at {:.4g} s), by {:.2g} % at the end; {:.0f} bonds broken, exact "
+             "% of the time (at {:.4g} s), by {:.2g} % at {:.4g} s; {:.0f} bonds broken, exact "
              "{:.0f}\n",
              name_of(solver), scene.dynamic.viscosity_scaling, 100 * worst_late, worst_time,
              100 * std::abs(columns[1].values.back() / columns[2].values.back() - 1),
-             columns[3].values.back(), columns[4].values.back());
+             columns[0].values.back(), columns[3].values.back(), columns[4].values.back());
   if (scene.after_breakage == dem::AfterBreakage::friction)
     fmt::print("  (the exact solver has no friction in broken contacts: that difference is "
                "included)\n");

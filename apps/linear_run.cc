@@ -52,7 +52,10 @@ public:
   {
     file.write("state/time", std::vector{time_}, "s");
   }
-  void load(const dem::Hdf5File& file) override { time_ = file.read_doubles("state/time").at(0); }
+  void load(const dem::Hdf5File& file) override
+  {
+    work_towards(file.read_doubles("state/time").at(0)); // finds out, too, whether that was the end
+  }
   std::string statistics() const override { return "1 elastic solution"; }
   bool work_is_even_in_time() const override { return false; }
 

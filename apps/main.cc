@@ -101,8 +101,9 @@ std::string unknown_verb(const CLI::App& app, const std::string& word)
     verbs.push_back(verb->get_name());
     all += (all.empty() ? "" : ", ") + verb->get_name();
   }
-  if (word.empty() || word.front() == '-' ||
-      std::find(verbs.begin(), verbs.end(), word) != verbs.end())
+  if (word.empty())
+    return fmt::format("say what to do: {}; or see mastic --help", all);
+  if (word.front() == '-' || std::find(verbs.begin(), verbs.end(), word) != verbs.end())
     return {};
   const std::string close = nearest(word, verbs);
   return fmt::format("there is no verb '{}'{}; verbs: {}", word,
@@ -150,6 +151,12 @@ int main(int argc, char** argv)
   }
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError& error) {
+    fmt::print(stderr, "error: {}{}\n", error.what(),
+               arguments.run.overrides.empty()
+                   ? ""
+                   : "; settings need quotes: --set \"Loading/Axial stress = 500 kPa\"");
+    return exit_input;
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? exit_ok : exit_input;

@@ -116,6 +116,7 @@ void write_packing(const std::filesystem::path& file, const Packing& packing,
   hdf5.set_attribute("", "origin", packing.origin);
   hdf5.set_attribute("particles", "lower_platen_m", packing.platens.low);
   hdf5.set_attribute("particles", "upper_platen_m", packing.platens.high);
+  hdf5.set_attribute("particles", "diameter_m", packing.diameter.value_or(0));
   hdf5.publish();
 }
 
@@ -133,7 +134,8 @@ Packing read_packing(const std::filesystem::path& file, const std::optional<std:
             {},
             {hdf5.number_attribute("particles", "lower_platen_m"),
              hdf5.number_attribute("particles", "upper_platen_m")},
-            hdf5.text_attribute("", "origin")};
+            hdf5.text_attribute("", "origin"),
+            hdf5.number_attribute("particles", "diameter_m")};
   } catch (const std::runtime_error& damage) {
     throw std::invalid_argument(damage.what());
   }
@@ -160,7 +162,8 @@ Packing make_packing(const LoadedScene& loaded)
             std::nullopt,
             {},
             {0, request.container.height},
-            fmt::format("generated, seed {}", v.seed)};
+            fmt::format("generated, seed {}", v.seed),
+            v.diameter};
   }
   const std::filesystem::path file = loaded.folder / v.file;
   if (file.extension() == ".csv")

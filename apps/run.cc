@@ -127,6 +127,19 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
   return r.run->end() == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
 }
 
+/// Particles that hang on nothing are most often not meant.
+void tell_lonely_particles(const dem::Assembly& assembly)
+{
+  std::vector<bool> bonded(assembly.particles.size());
+  for (const auto& ends : assembly.bonds.ends)
+    for (const dem::Index end : ends)
+      bonded[end] = true;
+  const auto first = std::ranges::find(bonded, false);
+  if (first != bonded.end())
+    say(fmt::format("  note: {} of the particles have no bond; the first is particle {}",
+                    std::ranges::count(bonded, false), first - bonded.begin()));
+}
+
 /// Where estimated numbers are in use, the user is told.
 void tell_estimates(const LoadedScene& scene)
 {
@@ -184,6 +197,7 @@ void start_run(RunInProgress& r, const RunOptions& options)
     say(fmt::format("  {} of the strengths were drawn at or below 0; 'Nonpositive draws' says what "
                     "they become",
                     r.specimen.assembly.strengths->n_nonpositive));
+  tell_lonely_particles(r.specimen.assembly);
   tell_estimates(r.scene);
 }
 

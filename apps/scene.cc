@@ -165,7 +165,7 @@ void declare_strength(Schema& s, Scene::Strength& v)
                          {{"none", StrengthKind::none},
                           {"normal", StrengthKind::normal},
                           {"Weibull", StrengthKind::weibull}},
-                         "normal", "none: bonds do not break.");
+                         "normal", "none: bonds do not break, whatever Bond file says.");
   s.quantity("Mean", v.mean, "N", "54 N", any(), "Of the normal distribution.");
   s.quantity("Standard deviation", v.standard_deviation, "N", "44 N", above(0),
              "Of the normal distribution.");
@@ -288,6 +288,20 @@ std::vector<std::string> law_names(const std::vector<SceneEntry>& entries)
   return names;
 }
 
+/// Takes out the entries of sections 'Bond law' that have no name, and says so.
+void refuse_nameless_laws(SceneText& scanned)
+{
+  const auto nameless = [](const SceneEntry& entry) {
+    return entry.section() == trimmed(law_prefix);
+  };
+  const auto first = std::ranges::find_if(scanned.entries, nameless);
+  if (first == scanned.entries.end())
+    return;
+  scanned.diagnostics.push_back(
+      {Diagnostic::Kind::error, first->place, "give the law a name: 'subsection Bond law NAME'"});
+  std::erase_if(scanned.entries, nameless);
+}
+
 } // namespace
 
 void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names)
@@ -335,6 +349,7 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   loaded.name = std::filesystem::path(name).stem().string();
   loaded.text = text;
   SceneText scanned = scan_scene(text, name, folder);
+  refuse_nameless_laws(scanned);
   loaded.diagnostics = scanned.diagnostics;
   for (const std::string& each : overrides)
     try {

@@ -49,6 +49,13 @@ void check_specimen(const Scene& scene, Findings& findings)
   const Scene::Specimen& v = scene.specimen;
   if (v.source == SpecimenSource::file && v.file.empty())
     findings.error("Specimen/File", "Source = file needs a File");
+  if (v.source == SpecimenSource::file && v.file.ends_with(".csv") &&
+      scene.load.test != TestKind::particle_loads && !findings.is_set("Specimen/Diameter"))
+    findings.tell(
+        Diagnostic::Kind::warning, "Specimen/Diameter",
+        fmt::format("a CSV file does not say the area on which the stress acts; the default "
+                    "of {:g} mm is taken",
+                    1e3 * v.diameter));
   if (v.source == SpecimenSource::generate && !v.bond_file.empty())
     findings.error("Specimen/Bond file", "a list of bonds needs Source = file");
   if (v.source == SpecimenSource::generate) {

@@ -3,6 +3,7 @@
 #include "apps/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <memory>
@@ -59,6 +60,15 @@ bool has_bare_number(const std::string& text)
       if (is_bare_number(number))
         return true;
   return false;
+}
+
+/// The name that was probably meant, or all there are.
+std::string suggestion(const std::string& close, const std::string& introduction,
+                       const std::vector<std::string>& names)
+{
+  if (!close.empty())
+    return fmt::format("did you mean '{}'?", close);
+  return introduction + fmt::format("{}", fmt::join(names, ", "));
 }
 
 } // namespace
@@ -273,9 +283,9 @@ std::string Schema::unknown_section(const std::string& section) const
     names.push_back(known.first);
   if (std::find(names.begin(), names.end(), section) != names.end())
     return {};
-  const std::string close = nearest(section, names);
-  return fmt::format("there is no section '{}'{}", section,
-                     close.empty() ? "" : fmt::format("; did you mean '{}'?", close));
+  names.erase(names.begin()); // the top level
+  return fmt::format("there is no section '{}'; {}", section,
+                     suggestion(nearest(section, names), "sections are: ", names));
 }
 
 std::string Schema::unknown_key(const SceneEntry& entry) const
@@ -288,12 +298,12 @@ std::string Schema::unknown_key(const SceneEntry& entry) const
     if (key.name == entry.key)
       elsewhere.push_back(path_of(key.section, key.name));
   }
-  std::string close = nearest(entry.key, here);
-  if (!elsewhere.empty())
-    close = elsewhere.front();
-  return fmt::format("there is no key '{}'{}{}", entry.key,
-                     section.empty() ? "" : fmt::format(" in section '{}'", section),
-                     close.empty() ? "" : fmt::format("; did you mean '{}'?", close));
+  const std::string close = elsewhere.empty() ? nearest(entry.key, here) : elsewhere.front();
+  if (section.empty())
+    return fmt::format("there is no key '{}'; {}", entry.key,
+                       suggestion(close, "keys outside of sections are: ", here));
+  return fmt::format("there is no key '{}' in section '{}'; {}", entry.key, section,
+                     suggestion(close, "its keys are: ", here));
 }
 
 std::vector<Diagnostic> Schema::apply(const std::vector<SceneEntry>& entries)

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -14,6 +15,9 @@
 namespace apps {
 
 namespace {
+
+/// Widest gap of a listed bond, over the smaller radius [-].
+constexpr double widest_gap = 5;
 
 dem::TemperatureShift temperature_shift(const Scene::Temperature& v)
 {
@@ -68,8 +72,24 @@ std::vector<double> listed_strengths(const CsvTable& table, const std::string& c
   return strengths;
 }
 
+/// A bond over a wide gap comes from a wrong number of a particle, most often.
+void refuse_wide_gaps(const dem::Assembly& assembly, const CsvTable& table)
+{
+  const auto& [centre, radius, material_class, density] = assembly.particles;
+  for (std::size_t b = 0; b < assembly.bonds.size(); ++b) {
+    const auto [i, j] = assembly.bonds.ends[b];
+    const double gap = (centre[i] - centre[j]).norm() - radius[i] - radius[j];
+    if (gap > widest_gap * std::min(radius[i], radius[j]))
+      throw std::invalid_argument(
+          fmt::format("{}: the spheres {} and {} are {:.3g} mm apart, more than {:g} times the "
+                      "smaller radius; if that is meant, set Accept unusual values = true",
+                      table.place(b), i, j, 1e3 * gap, widest_gap));
+  }
+}
+
 /// Bonds, and strengths if there are any, from the bond file.
-void read_bonds(dem::Assembly& assembly, const CsvTable& table, const std::string& file)
+void read_bonds(dem::Assembly& assembly, const CsvTable& table, const std::string& file,
+                bool accept_unusual)
 {
   table.allow_only({"a", "b", "normal_strength", "shear_strength"});
   const std::vector<long> a = table.integers("a"), b = table.integers("b");
@@ -81,6 +101,8 @@ void read_bonds(dem::Assembly& assembly, const CsvTable& table, const std::strin
   } catch (const std::invalid_argument& problem) {
     throw std::invalid_argument(fmt::format("{}: {}", file, problem.what()));
   }
+  if (!accept_unusual)
+    refuse_wide_gaps(assembly, table);
   const bool normal = table.find("normal_strength").has_value();
   const bool shear = table.find("shear_strength").has_value();
   if (shear && !normal)
@@ -111,6 +133,21 @@ dem::Strengths drawn_strengths(const Scene& scene, std::span<const std::int64_t>
   if (v.kind == StrengthKind::normal)
     law.distribution = dem::NormalStrength{v.mean, v.standard_deviation};
   return dem::draw_strengths(law, bond_id, std::uint64_t(v.seed));
+}
+
+/// That of the packing if it knows it, else that of the scene [m].
+double specimen_diameter(const LoadedScene& loaded, const Packing& packing)
+{
+  const double asked = loaded.scene->specimen.diameter;
+  if (!packing.diameter || *packing.diameter <= 0)
+    return asked;
+  if (!loaded.schema->is_default("Specimen/Diameter") &&
+      std::abs(asked / *packing.diameter - 1) > 1e-9)
+    throw std::invalid_argument(
+        fmt::format("Specimen/Diameter is {:g} mm, but the packing was made "
+                    "with {:g} mm; leave the key out",
+                    1e3 * asked, 1e3 * *packing.diameter));
+  return *packing.diameter;
 }
 
 /// Before a solver finds out in its own words.
@@ -198,7 +235,7 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
     bond_contacts(specimen, v);
   else {
     const std::filesystem::path file = loaded.folder / v.bond_file;
-    read_bonds(assembly, CsvTable(file, *loaded.units), file.string());
+    read_bonds(assembly, CsvTable(file, *loaded.units), file.string(), scene.accept_unusual);
   }
   if (scene.strength.kind == StrengthKind::none)
     assembly.strengths.reset();
@@ -215,7 +252,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
                                               packing.origin));
     assembly.loads = packing.loads;
   }
-  assembly.area = std::numbers::pi * v.diameter * v.diameter / 4;
+  const double diameter = specimen_diameter(loaded, packing);
+  assembly.area = std::numbers::pi * diameter * diameter / 4;
   assembly.gauge_length = v.gauge_length.value_or(packing.platens.high - packing.platens.low);
   dem::validate(assembly);
   refuse_if_unsupported(assembly);

@@ -15,8 +15,9 @@ struct Packing {
   dem::Particles particles;
   std::optional<std::vector<dem::Support>> support; ///< from the file, if it says
   std::vector<dem::ParticleLoad> loads;
-  dem::PlatenHeights platens; ///< [m]
-  std::string origin;         ///< "generated, seed 1" or the file
+  dem::PlatenHeights platens;                    ///< [m]
+  std::string origin;                            ///< "generated, seed 1" or the file
+  std::optional<double> diameter = std::nullopt; ///< of the specimen, if the packing knows it [m]
 };
 
 /// The request for a generated specimen.

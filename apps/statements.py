@@ -83,7 +83,7 @@ def rupture(creep, stress):
 
 
 def most_breakages_at_rupture(creep):
-    """Whether the last tenth of the time before rupture has the highest rate of breakage."""
+    """Whether the last of twenty equal times up to rupture has the most breakages."""
     shares = []
     for folder in creep.values():
         if ruptured(folder):

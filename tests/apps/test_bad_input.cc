@@ -164,6 +164,13 @@ const BadInput cases[] = {
      "bonds.csv",
      "a,b\n0,1\n1,0\n",
      "bonds.csv: bond 1 between particles 1 and 0: this pair is already bonded"},
+    {"BondOverAWideGap",
+     {},
+     "particles.csv",
+     head + "0,0,30,2,top\n",
+     "bonds.csv:2: the spheres 0 and 1 are 24 mm apart, more than 5 times the smaller radius; if "
+     "that "
+     "is meant, set Accept unusual values = true"},
     {"BondToItself",
      {},
      "bonds.csv",

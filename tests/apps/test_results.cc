@@ -30,10 +30,13 @@ struct FinishedRun {
   command::Folder folder;
   Finished run;
 
-  explicit FinishedRun(const std::vector<std::string>& settings = {})
+  explicit FinishedRun(const std::vector<std::string>& settings = {},
+                       const std::vector<std::string>& options = {})
   {
     networks::write_lattice(folder);
-    run = mastic(folder, with(with({"run", "net.scene"}, creep), settings));
+    std::vector<std::string> arguments{"run", "net.scene"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    run = mastic(folder, with(with(arguments, creep), settings));
   }
   dem::Hdf5File result() const { return dem::Hdf5File::open(folder / "out/result.h5"); }
   std::string exported(const std::vector<std::string>& what) const
@@ -269,6 +272,33 @@ TEST(Results, OfALinearRunHoldTheComplexModulus)
   // At high frequency the specimen answers as fast as at once.
   const double elastic = columns(done.folder.read("out/history.csv"))["elastic_modulus_MPa"].back();
   EXPECT_NEAR(table["complex_modulus_MPa"].back(), elastic, 1e-3 * elastic);
+}
+
+TEST(Results, OfTheExplicitSolverHoldAnAudit)
+{
+  const FinishedRun done({"Solver = dynamic", "Loading/Axial stress = 1 kPa"}, {"--threads", "1"});
+  ASSERT_EQ(done.run.exit_code, 0) << done.run.output;
+  EXPECT_TRUE(contains(done.run.output, "  scaling audit against 'events' (x = 0.001): strain off"))
+      << done.run.output;
+  const auto audit = columns(done.folder.read("out/audit.csv"));
+  const double found = audit.at("strain_percent").back();
+  EXPECT_EQ(found, columns(done.folder.read("out/history.csv")).at("axial_strain_percent").back());
+  EXPECT_GT(found, 0);
+  EXPECT_NEAR(found, audit.at("exact_strain_percent").back(), 0.02 * found);
+  EXPECT_EQ(done.result().text_attribute("", "end"), "end of the load history");
+}
+
+TEST(Results, TellOfParticlesWithoutBonds)
+{
+  const command::Folder folder;
+  networks::write_pair(folder);
+  folder.write("particles.csv", "x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,6,2,top\n"
+                                "9,0,4,2,free\n9,9,4,2,free\n");
+  const Finished done = mastic(folder, with({"run", "net.scene"}, {"Loading/End time = 1 s"}));
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_TRUE(
+      contains(done.output, "  note: 2 of the particles have no bond; the first is particle 2\n"))
+      << done.output;
 }
 
 TEST(Results, OfAnEarlierRunAreReplaced)

@@ -74,6 +74,19 @@ TEST(Scene, SaysAllThatIsWrongAtOnceWithPlaceKeyAndRange)
           "each in s, >= 0; or 'none'"}));
 }
 
+TEST(Scene, ListsWhatThereIsIfNothingIsNear)
+{
+  EXPECT_EQ(errors(load("set Km = 1\nsubsection Study\n  set Km = 1\nend\n"
+                        "subsection Bond law\n  set Classes = 0: 1\n  set Friction = 1\nend\n"
+                        "subsection Nonsense\n  set Km = 1\nend\n")),
+            (Lines{"a.scene:6: give the law a name: 'subsection Bond law NAME'",
+                   "a.scene:1: there is no key 'Km'; keys outside of sections are: Title, Solver, "
+                   "Accept unusual values",
+                   "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
+                   "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
+                   "Temperature, Strength, Loading, Dynamic, Output, Study"}));
+}
+
 TEST(Scene, RefusesAKeyThatIsSetTwiceInAFile)
 {
   const std::string text = "set Title = a\nset Solver = events\nset Title = b\n";

@@ -1,4 +1,5 @@
 #include "apps/specimen.h"
+#include "dem/hdf5_file.h"
 #include "tests/apps/networks.h"
 
 #include <gtest/gtest.h>
@@ -232,6 +233,19 @@ TEST(BondFile, RefusesBondsThatCannotBe)
             "shear_strength");
 }
 
+TEST(BondFile, RefusesBondsOverWideGapsUnlessTheyAreMeant)
+{
+  const command::Folder folder;
+  networks::write_pair(folder);
+  folder.write("particles.csv", "x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,10,1,top\n");
+  EXPECT_EQ(refusal(folder), ""); // a gap of five times the smaller radius
+  folder.write("particles.csv", "x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,10.1,1,top\n");
+  EXPECT_EQ(refusal(folder),
+            "bonds.csv:2: the spheres 0 and 1 are 5.1 mm apart, more than 5 times the smaller "
+            "radius; if that is meant, set Accept unusual values = true");
+  EXPECT_EQ(refusal(folder, {"Accept unusual values = true"}), "");
+}
+
 TEST(Specimen, RefusesLoadsThatNothingCarries)
 {
   EXPECT_EQ(
@@ -321,6 +335,12 @@ TEST(Packing, ComesBackFromItsFileAndOnlyForItsRecipe)
   EXPECT_EQ(again.particles.density, 2600);
   EXPECT_EQ(again.platens.high, 1.25);
   EXPECT_THROW(read_packing(folder / "p.h5", "recipe 2"), std::invalid_argument);
+
+  dem::Hdf5File newer = dem::Hdf5File::create(folder / "newer.h5");
+  newer.set_attribute("", "kind", std::string("packing"));
+  newer.set_attribute("", "storage_version", 99);
+  newer.publish();
+  EXPECT_THROW(read_packing(folder / "newer.h5", std::nullopt), std::invalid_argument);
 
   const std::string whole = folder.read("p.h5");
   for (const std::size_t length :

@@ -38,6 +38,12 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
   const command::Folder folder;
   const std::string verbs = "; verbs: run, check, pack, new, plot, export, info\n";
   expect_error(folder, {"runn"}, "error: there is no verb 'runn'; did you mean 'run'?" + verbs);
+  expect_error(folder, {},
+               "error: say what to do: run, check, pack, new, plot, export, info; or see mastic "
+               "--help\n");
+  expect_error(folder, {"run", "a.scene", "--set", "Loading/End", "time = 5 s"},
+               "error: The following argument was not expected: time = 5 s; settings need quotes: "
+               "--set \"Loading/Axial stress = 500 kPa\"\n");
   expect_error(folder, {"help"}, "error: there is no verb 'help'" + verbs);
   expect_error(folder, {"run"}, "error: run needs either a scene file or --resume\n");
   expect_error(folder, {"run", "none.scene"}, "error: none.scene: there is no such file\n");
@@ -53,7 +59,7 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
   expect_error(folder, {"info", "text.h5"},
                "error: text.h5: this is not an HDF5 file, or it is damaged\n");
   const std::vector<std::vector<std::string>> incomplete{
-      {}, {"run", "--frobnicate"}, {"run", "a", "--threads", "two"}, {"check"}, {"export", "a"}};
+      {"run", "--frobnicate"}, {"run", "a", "--threads", "two"}, {"check"}, {"export", "a"}};
   for (const std::vector<std::string>& arguments : incomplete)
     EXPECT_EQ(mastic(folder, arguments).exit_code, 2);
 }
