@@ -215,6 +215,45 @@ TEST(CriticalStep, IsThatOfTheCrystals)
   }
 }
 
+TEST(CriticalStep, ChainsVibrateAtTheFrequenciesOfTheTable)
+{
+  const double r = 2e-3, mass = 2600 * sphere_volume(r);
+  for (const auto& row : reference::table("chain_frequencies.csv")) {
+    const auto n = Index(reference::number(row, "n_bonds"));
+    std::vector<Vec3> centre;
+    std::vector<std::array<Index, 2>> pairs;
+    for (Index k = 0; k <= n; ++k) {
+      centre.emplace_back(0, 0, 2 * r * k);
+      if (k > 0)
+        pairs.push_back({k - 1, k});
+    }
+    std::vector<Support> support(centre.size(), Support::free);
+    support[0] = Support::bottom;
+    Assembly chain =
+        assemblies::bonded(centre, std::vector<double>(centre.size(), r), support, pairs,
+                           BondLaw{make_creep_law(1e6, std::nullopt, {}), 11, 1});
+    chain.loads.push_back({n, Vec3(0, 0, 1), Vec3::Zero()});
+    const ElasticNetwork network = make_network(chain);
+    const std::vector<BondStatus> intact(network.bonds.size(), BondStatus::intact);
+    for (const auto& [component, inertia, name] :
+         {std::tuple(2, mass, "omega_axial"), std::tuple(5, 0.4 * mass, "omega_torsion")}) {
+      Eigen::MatrixXd matrix(n, n);
+      for (Index c = 0; c < n; ++c) {
+        const Eigen::VectorXd column =
+            network_forces(network, intact,
+                           Eigen::VectorXd::Unit(network.n_dofs, 6 * c + component))
+                .nodal;
+        for (Index i = 0; i < n; ++i)
+          matrix(i, c) = column[6 * i + component] / inertia;
+      }
+      const double squared = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix)
+                                 .eigenvalues()[Eigen::Index(reference::number(row, "mode")) - 1];
+      const double expected = reference::number(row, name);
+      EXPECT_NEAR(std::sqrt(squared), expected, 1e-11 * expected) << name << ", n = " << n;
+    }
+  }
+}
+
 TEST(CriticalStep, PowerIterationIsCloseToTheEigenvalueOfARandomNetwork)
 {
   const Assembly assembly =
