@@ -51,13 +51,9 @@ private:
 };
 
 /// The command line that runs the program in a folder.
-///
-/// Threads of the explicit solver wait for each other in a loop: on a busy machine they must not
-/// wait for long.
 inline std::vector<std::string> line(const Folder& folder, std::vector<std::string> arguments)
 {
-  std::vector<std::string> command{"/usr/bin/env", "-C", folder.path().string(),
-                                   "GOMP_SPINCOUNT=1000", MASTIC_COMMAND};
+  std::vector<std::string> command{"/usr/bin/env", "-C", folder.path().string(), MASTIC_COMMAND};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return command;
 }
