@@ -1,6 +1,7 @@
 #include "dem/events.h"
 #include "dem/linear.h"
 #include "tests/dem/assemblies.h"
+#include "tests/dem/event_runs.h"
 #include "tests/dem/laws.h"
 
 #include <gtest/gtest.h>
@@ -8,26 +9,11 @@
 #include <cmath>
 
 using namespace dem;
+using namespace event_runs;
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
 const RateLaw instantaneous{0.325, 0.005, 0, 0, 0};
-const RateLaw constant_strength{0, 0.005, 0, 0, 0};
-
-EventsState run(EventsSolver& solver)
-{
-  EventsState state = solver.start();
-  while (state.end == RunEnd::running)
-    state = solver.step(std::move(state));
-  return state;
-}
-
-/// A pair of spheres under the platen, strength and law given.
-Assembly pair(const CreepLaw& creep, double strength)
-{
-  return assemblies::bundle(std::span(&strength, 1), 4e-3, creep);
-}
 
 double first_breakage_time(const Assembly& assembly, const Loading& loading, const RateLaw& law)
 {
