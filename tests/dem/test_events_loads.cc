@@ -9,10 +9,6 @@
 using namespace dem;
 using namespace event_runs;
 
-namespace {
-
-} // namespace
-
 TEST(Events, TrueStressFollowsTheArea)
 {
   // One bond without breakage: force = F0 / (1 + strain), solved in tiny steps for comparison.
