@@ -139,7 +139,8 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path)
 {
   const Quiet quiet;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access.id, H5F_LIBVER_V18, H5F_LIBVER_LATEST); // checksummed metadata
+  H5Pset_libver_bounds(access.id, H5F_LIBVER_LATEST,
+                       H5F_LIBVER_LATEST); // all metadata with checksums
   const hid_t id = H5Fcreate(temporary_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id);
   Hdf5File file(id, path, true);
   if (id < 0)

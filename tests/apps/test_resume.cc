@@ -190,7 +190,7 @@ TEST(Checkpoint, WithFlippedBitsIsRefusedOrUnharmed)
   };
   const std::string expected = content();
   int n_refused = 0;
-  const int n_flips = 150;
+  const int n_flips = 300;
   for (int k = 0; k < n_flips; ++k) {
     std::string damaged = whole;
     damaged[k * (whole.size() - 1) / (n_flips - 1)] ^= char(1 << k % 8);
