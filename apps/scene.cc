@@ -24,17 +24,20 @@ void declare_top(Schema& s, Scene& scene)
 {
   s.section("", "");
   s.words("Title", scene.title, "", "One line for figures and results.");
-  s.choice<SolverChoice>("Solver", scene.solver,
-                         {{"auto", SolverChoice::automatic},
-                          {"linear", SolverChoice::linear},
-                          {"events", SolverChoice::events},
-                          {"dynamic", SolverChoice::dynamic}},
-                         "auto",
-                         "linear: intact, small displacements, exact. events: exact from one bond "
-                         "breakage to the next, "
-                         "small displacements. dynamic: explicit with inertia, friction, finite "
-                         "motion. auto takes the "
-                         "cheapest whose assumptions hold and says which and why.");
+  s.choice<SolverChoice>(
+      "Solver", scene.solver,
+      {{"auto", SolverChoice::automatic},
+       {"linear", SolverChoice::linear},
+       {"events", SolverChoice::events},
+       {"quasistatic", SolverChoice::quasistatic},
+       {"dynamic", SolverChoice::dynamic}},
+      "auto",
+      "linear: intact, small displacements, exact. events: exact from one bond "
+      "breakage to the next, "
+      "small displacements. quasistatic: implicit steps, finite motion, friction, "
+      "any laws, no inertia. dynamic: explicit with inertia, friction, finite "
+      "motion. auto takes the "
+      "cheapest whose assumptions hold and says which and why.");
   s.flag("Accept unusual values", scene.accept_unusual, "false",
          "Radii, densities and stiffnesses far from those of stone and binder are refused unless "
          "this is true: most often they come from a wrong unit.");
@@ -129,9 +132,9 @@ void declare_bonds(Schema& s, Scene& scene, const std::vector<std::string>& law_
        {"friction", dem::AfterBreakage::friction}},
       "pressed",
       "A broken bond leaves; or stays as a contact without friction while it is pressed; or as one "
-      "with friction (solver dynamic only).");
+      "with friction (solvers quasistatic and dynamic).");
   s.number("Friction", scene.friction, "0.5", at_least(0),
-           "Coefficient of contacts with friction (solver dynamic).");
+           "Coefficient of contacts with friction (solvers quasistatic and dynamic).");
   for (const std::string& name : law_names) {
     auto& law = scene.more_bonds[name];
     law = std::make_unique<BondLawInput>();
@@ -225,6 +228,28 @@ void declare_loading(Schema& s, Scene::Load& v)
           "'time: strain' in order; the same time twice makes a jump.");
 }
 
+void declare_quasistatic(Schema& s, dem::QuasistaticSettings& v)
+{
+  s.section("Quasistatic", "The implicit solver.");
+  s.number("Strain per step", v.strain_per_step, "5e-4", Bounds{0, 0.1, false, true},
+           "Largest change of the specimen's strain in a step.");
+  s.number("Error tolerance", v.error_tolerance, "1e-3", Bounds{0, 1, false, true},
+           "Estimated error of the strain gained in a step, over what is gained.");
+  s.integer("Breakage batch", v.breakage_batch, "16", at_least(1),
+            "Bonds that may break before equilibrium is sought again; 1: one after the other, each "
+            "at its time.");
+  s.number("Residual tolerance", v.residual_tolerance, "1e-7", Bounds{0, 1e-2, false, true},
+           "Force out of balance, over the largest force between two particles.");
+  s.number("Regularisation", v.regularisation, "1e-6", Bounds{0, 1, false, true},
+           "Viscous hold of particles that hang loose, over the stiffness of a bond; its share of "
+           "the energy is reported.");
+  s.choice<dem::Geometry>("Geometry", v.geometry,
+                          {{"finite", dem::Geometry::finite}, {"small", dem::Geometry::small}},
+                          "finite",
+                          "finite: equilibrium on the present geometry. small: on that of the "
+                          "start, as the solvers linear and events assume.");
+}
+
 void declare_dynamic(Schema& s, Scene& scene)
 {
   dem::DynamicSettings& v = scene.dynamic;
@@ -312,6 +337,7 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
   declare_temperature(schema, scene.temperature);
   declare_strength(schema, scene.strength);
   declare_loading(schema, scene.load);
+  declare_quasistatic(schema, scene.quasistatic);
   declare_dynamic(schema, scene);
   declare_output(schema, scene.output);
   declare_study(schema, scene.study);

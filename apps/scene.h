@@ -2,6 +2,7 @@
 #include "apps/schema.h"
 #include "dem/dynamics.h"
 #include "dem/grading.h"
+#include "dem/quasistatic_settings.h"
 #include "dem/temperature_shift.h"
 
 #include <filesystem>
@@ -14,7 +15,7 @@
 namespace apps {
 
 /// Which solver a scene asks for.
-enum class SolverChoice { automatic, linear, events, dynamic };
+enum class SolverChoice { automatic, linear, events, quasistatic, dynamic };
 
 enum class SpecimenSource { generate, file };
 enum class BondRule { mean_contacts, gap };
@@ -95,6 +96,7 @@ struct Scene {
     std::vector<std::pair<double, double>> stress_history, strain_history;
   } load;
 
+  dem::QuasistaticSettings quasistatic;
   dem::DynamicSettings dynamic;
   bool audit;
 

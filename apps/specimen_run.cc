@@ -173,6 +173,8 @@ std::string name_of(SolverChoice solver)
     return "linear";
   case SolverChoice::events:
     return "events";
+  case SolverChoice::quasistatic:
+    return "quasistatic";
   case SolverChoice::dynamic:
     return "dynamic";
   default:

@@ -51,7 +51,8 @@ const BadInput cases[] = {
      {},
      "net.scene",
      networks::scene + "set Solver = fast\n",
-     "net.scene:12: error: Solver = fast: 'fast' is not one of: auto | linear | events | dynamic"},
+     "net.scene:12: error: Solver = fast: 'fast' is not one of: auto | linear | events | "
+     "quasistatic | dynamic"},
     {"OutOfRange",
      {"Dynamic/Local damping = 1"},
      "",
@@ -215,6 +216,7 @@ TEST(BadInput, IsToldInFullBeforeTheFirstStep)
   EXPECT_EQ(
       run.output,
       "net.scene:12: error: Solver = fast: 'fast' is not one of: auto | linear | events | "
+      "quasistatic | "
       "dynamic\n"
       "net.scene:13: error: there is no key 'Titel'; did you mean 'Title'?\n"
       "--set: error: End time = soon: 'soon' does not begin with a number; expected: in s, >= "

@@ -55,7 +55,8 @@ TEST(Scene, SaysAllThatIsWrongAtOnceWithPlaceKeyAndRange)
   EXPECT_EQ(
       errors(scene),
       (Lines{
-          "a.scene:1: Solver = event: 'event' is not one of: auto | linear | events | dynamic; "
+          "a.scene:1: Solver = event: 'event' is not one of: auto | linear | events | quasistatic "
+          "| dynamic; "
           "did you mean 'events'?",
           "a.scene:3: Diameter = -60 mm: '-60 mm' is out of range, allowed: > 0 mm",
           "a.scene:4: there is no key 'Solid fracton' in section 'Specimen'; did you mean 'Solid "
@@ -84,7 +85,7 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                    "Accept unusual values",
                    "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
-                   "Temperature, Strength, Loading, Dynamic, Output, Study"}));
+                   "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study"}));
 }
 
 TEST(Scene, RefusesAKeyThatIsSetTwiceInAFile)

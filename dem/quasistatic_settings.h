@@ -1,0 +1,24 @@
+#pragma once
+#include "dem/records.h"
+
+namespace dem {
+
+/// Which changes of geometry a quasi-static run follows.
+enum class Geometry : std::uint8_t {
+  finite, ///< particles move and turn by any amount, contacts close
+  small   ///< displacements are small: equilibrium on the geometry at the start
+};
+
+/// How a quasi-static run is made.
+struct QuasistaticSettings {
+  double strain_per_step = 5e-4;    ///< largest change of the specimen's strain in a step [-]
+  double error_tolerance = 1e-3;    ///< local error of strain over strain gained, per step [-]
+  long breakage_batch = 16;         ///< bonds that may break at a time; 1: one after the other
+  double residual_tolerance = 1e-7; ///< out-of-balance force over the largest contact force [-]
+  double regularisation = 1e-6;     ///< viscous hold of loose particles, over bond stiffness [-]
+  double friction = 0.5;            ///< of contacts [-]
+  AfterBreakage after_breakage = AfterBreakage::friction;
+  Geometry geometry = Geometry::finite;
+};
+
+} // namespace dem
