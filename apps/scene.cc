@@ -238,11 +238,12 @@ void declare_quasistatic(Schema& s, dem::QuasistaticSettings& v)
   s.integer("Breakage batch", v.breakage_batch, "16", at_least(1),
             "Bonds that may break before equilibrium is sought again; 1: one after the other, each "
             "at its time.");
-  s.number("Residual tolerance", v.residual_tolerance, "1e-7", Bounds{0, 1e-2, false, true},
+  s.number("Residual tolerance", v.residual_tolerance, "1e-5", Bounds{0, 1e-2, false, true},
            "Force out of balance, over the largest force between two particles.");
-  s.number("Regularisation", v.regularisation, "1e-6", Bounds{0, 1, false, true},
-           "Viscous hold of particles that hang loose, over the stiffness of a bond; its share of "
-           "the energy is reported.");
+  s.number("Regularisation", v.regularisation, "1e-3", Bounds{0, 1, false, true},
+           "Viscous resistance of contacts to sliding and rolling within a step, over their "
+           "stiffness, so that particles that hang loose do not drift; its share of the energy is "
+           "reported.");
   s.choice<dem::Geometry>("Geometry", v.geometry,
                           {{"finite", dem::Geometry::finite}, {"small", dem::Geometry::small}},
                           "finite",

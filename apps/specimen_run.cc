@@ -1,33 +1,20 @@
 #include "apps/specimen_run.h"
 
 #include "apps/linear_run.h"
+#include "apps/quasistatic_run.h"
+#include "apps/stopwatch.h"
 #include "dem/dynamics.h"
 #include "dem/events.h"
 #include "dem/storage.h"
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
 namespace apps {
 
 namespace {
-
-/// Wall time that `work_towards` may take before it comes back [s].
-constexpr double work_slice = 0.1;
-
-class Stopwatch {
-public:
-  double seconds() const
-  {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
-private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 class EventsRun : public SpecimenRun {
 public:
@@ -219,6 +206,15 @@ std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
   if (solver == SolverChoice::events)
     return std::make_unique<EventsRun>(dem::make_events_model(
         assembly, loading, scene.strength.rate_law, scene.after_breakage, scene.load.strain_limit));
+  if (solver == SolverChoice::quasistatic) {
+    dem::QuasistaticSettings settings = scene.quasistatic;
+    settings.after_breakage = scene.after_breakage;
+    settings.friction = scene.friction;
+    return make_quasistatic_run(dem::make_quasistatic_model(assembly, loading,
+                                                            scene.strength.rate_law, settings,
+                                                            scene.load.strain_limit),
+                                n_threads);
+  }
   dem::DynamicSettings settings = scene.dynamic;
   settings.after_breakage = scene.after_breakage;
   settings.friction = scene.friction;
