@@ -64,6 +64,7 @@ DisplacementSegment following(const LinearModel& model, const Loading& loading,
 LinearModel make_linear_model(const Assembly& assembly)
 {
   validate(assembly);
+  refuse_confinement(assembly, "linear");
   const std::optional<ProportionalLaws> laws = proportional_laws(assembly.laws);
   if (!laws)
     throw std::invalid_argument("the linear solver needs bond laws that are proportional to each "
