@@ -61,6 +61,10 @@ void declare_loading(Schema& s, Scene::Load& v)
           "'time: stress' in order; the same time twice makes a jump.");
   s.pairs("Strain history", v.strain_history, "s", "%", "",
           "'time: strain' in order; the same time twice makes a jump.");
+  s.quantity("Confining stress", v.confining_stress, "kPa", "0 kPa", at_least(0),
+             "Constant pressure on the lateral surface, in full from the start, as dead forces on "
+             "the spheres there (solver quasistatic). The axial stress stays the total one at the "
+             "platens: the deviator is their difference.");
   declare_cycles(s, v);
 }
 

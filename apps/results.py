@@ -130,7 +130,8 @@ def provenance(results):
     loads = {"creep": "Loading/Axial stress", "constant rate": "Loading/Strain rate", **CYCLIC}
     facts = [joined(f(r) for r in results) for f in (
         lambda r: r.folder.name, lambda r: r.test, lambda r: r.scene.get(loads.get(r.test), ""),
-        lambda r: r.scene["Temperature/Temperature"].replace("degC", "\u00b0C"),
+        lambda r: (r.scene.get("Temperature/Temperature history") or r.scene[
+            "Temperature/Temperature"]).replace("degC", "\u00b0C"),
         lambda r: f"solver {r.about['solver']}",
         lambda r: f"{r.n_particles} particles, {r.n_bonds} bonds", seeds,
         lambda r: f"{r.about['program']} ({r.about['revision']})")]

@@ -150,6 +150,9 @@ void declare_temperature(Schema& s, Scene::Temperature& v)
 {
   s.section("Temperature", "Shift of all viscosities with temperature.");
   s.quantity("Temperature", v.temperature, "degC", "20 degC", above(-273.15), "Of the test.");
+  s.pairs("Temperature history", v.history, "s", "degC", "",
+          "Instead of Temperature: 'time: temperature' in order, linear between the points, the "
+          "same time twice makes a jump; the last one holds on (solver quasistatic).");
   s.quantity("Reference temperature", v.reference, "degC", "20 degC", above(-273.15),
              "For which the bond laws hold as they are.");
   s.choice<ShiftKind>(

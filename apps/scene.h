@@ -77,7 +77,8 @@ struct Scene {
   double friction;
 
   struct Temperature {
-    double temperature, reference; ///< [K]
+    double temperature, reference;                  ///< [K]
+    std::vector<std::pair<double, double>> history; ///< time [s], temperature [K]; empty: constant
     ShiftKind shift;
     double wlf_c1, wlf_c2;    ///< [-], [K]
     double activation_energy; ///< [J/mol]
@@ -109,6 +110,7 @@ struct Scene {
     double mean_stress, stress_amplitude; ///< of a sine, compression positive [Pa]
     double frequency;                     ///< of a sine [Hz]
     long n_cycles, points_per_pulse;
+    double confining_stress; ///< on the lateral surface [Pa]
   } load;
 
   dem::QuasistaticSettings quasistatic;

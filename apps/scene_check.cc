@@ -133,6 +133,11 @@ void check_laws(const Scene& scene, Findings& findings)
     findings.error("Temperature/Temperature", problem.what());
   }
   try {
+    make_reduced_time(scene);
+  } catch (const std::invalid_argument& problem) {
+    findings.error("Temperature/Temperature history", problem.what());
+  }
+  try {
     const std::vector<dem::BondLaw> laws = bond_laws(scene, shift);
     if ((scene.solver == SolverChoice::linear || scene.solver == SolverChoice::events) &&
         !dem::proportional_laws(laws))
@@ -225,6 +230,8 @@ void check_loading(const Scene& scene, Findings& findings)
   if (v.true_stress && (v.test == TestKind::constant_rate || v.test == TestKind::strain_history ||
                         v.test == TestKind::particle_loads))
     findings.error("Loading/True stress", "goes with tests at prescribed stress only");
+  if (v.confining_stress > 0 && v.test == TestKind::particle_loads)
+    findings.error("Loading/Confining stress", "needs a specimen between platens");
   if (const auto cyclic = cyclic_load(scene, 1)) {
     check_cycles(v, *cyclic, findings);
     check_rate_window(scene, *cyclic, findings);
@@ -240,8 +247,25 @@ void check_strength(const Scene& scene, Findings& findings)
                   "without window and floor the strength falls to 0 as the strain rate does");
 }
 
+void check_temperature(const Scene& scene, Findings& findings)
+{
+  if (!has_temperature_history(scene))
+    return;
+  if (scene.temperature.shift == ShiftKind::none)
+    findings.error("Temperature/Temperature history",
+                   "without a Shift law the temperature has no effect");
+  if (findings.is_set("Temperature/Temperature"))
+    findings.error("Temperature/Temperature", "give either Temperature or Temperature history");
+}
+
 void check_solver(const Scene& scene, Findings& findings)
 {
+  const bool others = scene.solver == SolverChoice::linear ||
+                      scene.solver == SolverChoice::events || scene.solver == SolverChoice::dynamic;
+  if (others && has_temperature_history(scene))
+    findings.error("Solver", "takes no Temperature history; use quasistatic");
+  if (others && scene.load.confining_stress > 0)
+    findings.error("Solver", "takes no Confining stress; use quasistatic");
   if (scene.solver == SolverChoice::linear && scene.load.true_stress)
     findings.error("Solver", "linear takes nominal stress only; use events");
   if (scene.solver == SolverChoice::events && scene.after_breakage == dem::AfterBreakage::friction)
@@ -305,6 +329,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
                                scene.specimen.density));
   check_preset(scene, findings);
   check_strength(scene, findings);
+  check_temperature(scene, findings);
   check_loading(scene, findings);
   check_solver(scene, findings);
   check_output(scene, findings);
