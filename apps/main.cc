@@ -69,7 +69,8 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
 
   CLI::App* fresh = app.add_subcommand(
       "new", "Print a commented scene with every key, its unit, range and default");
-  fresh->add_option("kind", a.kind, "creep, constant-rate, history, network, dynamic or study");
+  fresh->add_option("kind", a.kind,
+                    "creep, constant-rate, history, cycles, network, dynamic or study");
   fresh->callback([&] { action = [&] { return new_verb(a.kind); }; });
 
   CLI::App* plot =
@@ -81,7 +82,9 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   CLI::App* table =
       app.add_subcommand("export", "Print a table of a result as CSV, full precision");
   table->add_option("result", a.result, "Result folder or result.h5")->required();
-  table->add_option("table", a.table, "history, breakages, particles, bonds or complex_modulus")
+  table
+      ->add_option("table", a.table,
+                   "history, breakages, cycles, particles, bonds or complex_modulus")
       ->required();
   table->add_option("--time", a.time, "Time of the snapshot, such as '100 s' (default: the last)");
   table->callback([&] { action = [&] { return export_verb(a.result, a.table, a.time); }; });

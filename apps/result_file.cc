@@ -1,3 +1,4 @@
+#include "apps/cycles.h"
 #include "apps/files.h"
 #include "apps/paraview.h"
 #include "apps/run.h"
@@ -98,6 +99,11 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
     const std::vector<Column> modulus = modulus_columns(r);
     write_columns(file, "complex_modulus", modulus);
     write_text_file(folder / "complex_modulus.csv", csv(modulus));
+  }
+  if (cyclic_load(*r.scene.scene, 1)) {
+    const std::vector<Column> cycles = cycle_columns(*r.scene.scene, r.record);
+    write_columns(file, "cycles", cycles);
+    write_text_file(folder / "cycles.csv", csv(cycles));
   }
   file.publish();
   write_text_file(folder / "history.csv", csv(history));

@@ -189,6 +189,10 @@ void start_run(RunInProgress& r, const RunOptions& options)
   r.loading = make_loading(scene, r.specimen.assembly);
   if (r.decision.reason.empty())
     r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
+  if (has_temperature_history(scene) && r.decision.solver != SolverChoice::quasistatic)
+    throw std::invalid_argument(fmt::format("Solver = {} takes no Temperature history; use "
+                                            "quasistatic",
+                                            name_of(r.decision.solver)));
   r.n_threads = options.n_threads;
   r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
   say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),

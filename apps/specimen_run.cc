@@ -2,6 +2,7 @@
 
 #include "apps/linear_run.h"
 #include "apps/quasistatic_run.h"
+#include "apps/specimen.h"
 #include "apps/stopwatch.h"
 #include "dem/dynamics.h"
 #include "dem/events.h"

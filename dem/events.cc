@@ -88,6 +88,7 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
 {
   validate(assembly);
   validate(loading);
+  refuse_confinement(assembly, "events");
   const std::optional<ProportionalLaws> laws = proportional_laws(assembly.laws);
   if (!laws)
     throw std::invalid_argument("the event solver needs bond laws that are proportional to each "

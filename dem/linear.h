@@ -35,6 +35,10 @@ struct LinearResponse {
 };
 LinearResponse linear_response(const LinearModel& model, const Loading& loading, double time);
 
+/// The same for many times: load and displacement from breakpoint to breakpoint, once for all.
+/// \throws std::invalid_argument for true stress
+LoadHistory linear_history(const LinearModel& model, const Loading& loading);
+
 /// Displacements of all dofs at a time.
 Eigen::VectorXd displacements(const LinearModel& model, const Loading& loading, double time);
 

@@ -107,9 +107,11 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
   const StepScheme other = model.scheme == StepScheme::force_linear
                                ? StepScheme::displacement_linear
                                : StepScheme::force_linear;
+  const double reduced =
+      model.clock ? reduced_duration(*model.clock, time, time + duration) : duration;
   for (const BondLaw& law : assembly.laws) {
-    laws.push_back(law_step(law.creep, model.scheme, duration, state.links.n_parts));
-    others.push_back(law_step(law.creep, other, duration, state.links.n_parts));
+    laws.push_back(law_step(law.creep, model.scheme, reduced, state.links.n_parts));
+    others.push_back(law_step(law.creep, other, reduced, state.links.n_parts));
     stiffness += laws.back().stiffness() / double(assembly.laws.size());
   }
   const BodyLinks links_of = body_links(state.links, state.centre.size());
@@ -121,14 +123,14 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
                               model.settings.regularisation, model.settings.geometry},
                              &links_of,
                              holds(state, hold_everything, stiffness),
-                             Eigen::VectorXd::Zero(model.dofs.n_dofs),
+                             model.confinement,
                              {},
                              0,
                              model.settings.residual_tolerance,
                              stiffness};
   const double displaced = state.path.back().displacement;
   if (!loaded_by_platen(assembly))
-    problem.external = trial.load * model.unit_load;
+    problem.external += trial.load * model.unit_load;
   else if (model.loading.control == Loading::Control::displacement)
     problem.platen_moved = trial.load - displaced;
   else
@@ -173,6 +175,7 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
     trial.displacement = model.unit_load.dot(found.x) / norm;
     trial.energy.work = 0.5 * (state.path.back().force + trial.load) * norm * trial.displacement;
   }
+  trial.energy.work += model.confinement.dot(found.x);
   for (std::size_t i = 0; i < problem.hold.size(); ++i)
     if (const Index dof = model.dofs.first_dof[i]; dof >= 0 && problem.hold[i] > 0)
       trial.energy.regularisation += problem.hold[i] * found.x.segment<6>(dof).squaredNorm();
@@ -200,7 +203,11 @@ double QuasistaticSolver::rate_now(const QuasistaticState& state, double fallbac
         scale += std::abs(memory[0] * inelastic_rate(creep, memory)) / w[mode];
       }
   }
-  const bool loaded = std::abs(force) * std::abs(fallback) > 1e-3 * scale || state.n_steps == 0;
+  if (model.clock)
+    power /= shift_factor(*model.clock, state.time());
+  const bool alone = model.confinement.isZero(0);
+  const bool loaded =
+      (alone && std::abs(force) * std::abs(fallback) > 1e-3 * scale) || state.n_steps == 0;
   return force != 0 && loaded ? power / force : fallback;
 }
 

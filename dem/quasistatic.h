@@ -2,6 +2,7 @@
 #include "dem/equilibrium.h"
 #include "dem/loading.h"
 #include "dem/quasistatic_settings.h"
+#include "dem/reduced_time.h"
 #include "dem/strain_path.h"
 
 #include <limits>
@@ -24,6 +25,8 @@ struct QuasistaticModel {
   Bodies bodies;
   LinkDofs dofs;
   Eigen::VectorXd unit_load;            ///< on the dofs, per unit of the load factor
+  Eigen::VectorXd confinement;          ///< dead forces on the dofs [N]
+  std::optional<ReducedTime> clock;     ///< temperature over time; absent: the laws as they are
   StepScheme scheme;                    ///< force_linear under prescribed force
   std::vector<double> initial_distance; ///< of the ends of each bond [m]
   double skin;                          ///< gap up to which pairs are linked [m]
@@ -32,7 +35,8 @@ struct QuasistaticModel {
 /// \throws std::invalid_argument for settings out of range or a loading that does not fit
 QuasistaticModel make_quasistatic_model(const Assembly& assembly, const Loading& loading,
                                         const RateLaw& rate_law,
-                                        const QuasistaticSettings& settings, double strain_limit);
+                                        const QuasistaticSettings& settings, double strain_limit,
+                                        std::optional<ReducedTime> clock = {});
 
 /// What has happened so far. A value: copying it and going on gives the same future, bit for bit.
 struct QuasistaticState {

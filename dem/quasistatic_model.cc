@@ -31,24 +31,24 @@ void validate(const QuasistaticSettings& settings)
   require(settings.friction >= 0, "the friction must be >= 0", settings.friction);
 }
 
-Eigen::VectorXd unit_load(const Assembly& assembly, const LinkDofs& dofs)
+/// Forces of loads on particles, on the dofs; what acts on held particles goes into the platens.
+Eigen::VectorXd on_dofs(std::span<const ParticleLoad> loads, const LinkDofs& dofs)
 {
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(dofs.n_dofs);
-  if (dofs.platen_dof >= 0 && loaded_by_platen(assembly))
-    load[dofs.platen_dof] = 1;
-  for (const ParticleLoad& each : assembly.loads)
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(dofs.n_dofs);
+  for (const ParticleLoad& each : loads)
     if (const Index dof = dofs.first_dof[each.particle]; dof >= 0) {
-      load.segment<3>(dof) += each.force;
-      load.segment<3>(dof + 3) += each.moment / dofs.radius[each.particle];
+      sum.segment<3>(dof) += each.force;
+      sum.segment<3>(dof + 3) += each.moment / dofs.radius[each.particle];
     }
-  return load;
+  return sum;
 }
 
 } // namespace
 
 QuasistaticModel make_quasistatic_model(const Assembly& assembly, const Loading& loading,
                                         const RateLaw& rate_law,
-                                        const QuasistaticSettings& settings, double strain_limit)
+                                        const QuasistaticSettings& settings, double strain_limit,
+                                        std::optional<ReducedTime> clock)
 {
   validate(assembly);
   validate(loading);
@@ -65,7 +65,11 @@ QuasistaticModel make_quasistatic_model(const Assembly& assembly, const Loading&
   model.strain_limit = strain_limit;
   model.bodies = make_bodies(assembly);
   model.dofs = make_dofs(model.bodies, by_force && loaded_by_platen(assembly));
-  model.unit_load = unit_load(assembly, model.dofs);
+  model.unit_load = on_dofs(assembly.loads, model.dofs);
+  if (model.dofs.platen_dof >= 0)
+    model.unit_load[model.dofs.platen_dof] = 1;
+  model.confinement = on_dofs(assembly.confinement, model.dofs);
+  model.clock = std::move(clock);
   model.scheme = by_force ? StepScheme::force_linear : StepScheme::displacement_linear;
   for (const auto& [i, j] : assembly.bonds.ends)
     model.initial_distance.push_back(

@@ -53,8 +53,8 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
   expect_error(folder, {"plot", "."}, "error: .: there are no results in it\n");
   expect_error(folder, {"run", "--resume", "none"}, "error: none: there is no such file\n");
   expect_error(folder, {"new", "kreep"},
-               "error: there is no kind 'kreep' of scene; kinds: constant-rate, creep, dynamic, "
-               "history, network, study; did you mean 'creep'?\n");
+               "error: there is no kind 'kreep' of scene; kinds: constant-rate, creep, cycles, "
+               "dynamic, history, network, study; did you mean 'creep'?\n");
   folder.write("text.h5", "no HDF5");
   expect_error(folder, {"info", "text.h5"},
                "error: text.h5: this is not an HDF5 file, or it is damaged\n");
@@ -71,7 +71,7 @@ TEST(Command, ChecksItsOwnNewScenes)
   folder.write("particles.csv",
                "x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,bottom,0\n0,0,6,2,free,-1\n");
   for (const std::string kind :
-       {"creep", "constant-rate", "history", "network", "dynamic", "study"}) {
+       {"creep", "constant-rate", "history", "cycles", "network", "dynamic", "study"}) {
     const Finished made = mastic(folder, {"new", kind});
     ASSERT_EQ(made.exit_code, 0);
     folder.write(kind + ".scene", made.output);
