@@ -166,19 +166,16 @@ Mat6 IterativeSolver::diagonal_block(Index particle) const
   return sum;
 }
 
-void IterativeSolver::update(std::span<const BondStatus> status,
-                             std::span<const Index> changed_bonds)
+void IterativeSolver::change(Index bond, BondStatus status)
 {
-  for (const Index b : changed_bonds)
-    status_[b] = status[b];
-  for (const Index b : changed_bonds)
-    for (const Index end : network_->bonds[b].ends) {
-      if (row_[end] < 0)
-        continue;
-      multigrid_->replace(row_[end], row_[end], diagonal_block(end));
-      if (const Index other = row_[other_end(b, end)]; other >= 0)
-        multigrid_->replace(row_[end], other, coupling(b, end));
-    }
+  status_[bond] = status;
+  for (const Index end : network_->bonds[bond].ends) {
+    if (row_[end] < 0)
+      continue;
+    multigrid_->replace(row_[end], row_[end], diagonal_block(end));
+    if (const Index other = row_[other_end(bond, end)]; other >= 0)
+      multigrid_->replace(row_[end], other, coupling(bond, end));
+  }
 }
 
 IterativeSolution IterativeSolver::solve_particles(

@@ -24,9 +24,9 @@ public:
   IterativeSolver(const ElasticNetwork& network, std::span<const BondStatus> status,
                   const Pieces& pieces);
 
-  /// Takes over a changed network in which the same particles are held, clamped and loose. The
-  /// coarse levels stay: they need not be precise.
-  void update(std::span<const BondStatus> status, std::span<const Index> changed_bonds);
+  /// Takes over a bond that breaks; the same particles must stay held, clamped and loose. The
+  /// coarse levels stay as they are: they need not be precise.
+  void change(Index bond, BondStatus status);
 
   /// Displacements under a load on all dofs; loose particles stay where they are.
   /// \param tolerance  of the residual over the load [-]
