@@ -11,6 +11,10 @@
 
 namespace dem {
 
+/// Residual over the load at which an iteration ends: below what is asked of a solution (1e-11), so
+/// that the displacements come nearer to those of a factor.
+constexpr double iteration_tolerance = 1e-12;
+
 /// Solves a network by conjugate gradients with a multigrid cycle: for packings too large to
 /// factorise. Memory and time grow in proportion to the number of bonds.
 ///

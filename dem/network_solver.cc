@@ -19,9 +19,6 @@ constexpr int most_changes = 60;
 constexpr double smallest_pivot = 1e-10;
 /// Residual over load at which a solution is refined, and that it may have then.
 constexpr double residual_tolerance = 1e-11, refined_tolerance = 1e-8;
-/// Residual at which an iteration ends: three steps more than needed bring the displacements
-/// nearer to those of the factor.
-constexpr double iteration_tolerance = 1e-12;
 /// Accuracy of an iterated refinement.
 constexpr double correction_tolerance = 1e-3;
 
