@@ -45,7 +45,14 @@ Particles packing(const PackingRequest& wanted, const std::filesystem::path& pat
   std::filesystem::create_directories(path.parent_path());
   Hdf5File file = Hdf5File::create(path);
   write_particles(file, "particles", particles);
+  // so that a scene can take it as its packing file
   file.set_attribute("", "kind", std::string("packing"));
+  file.set_attribute("", "storage_version", storage_version);
+  file.set_attribute("", "recipe", std::string("bench/large.cc"));
+  file.set_attribute("", "origin", path.string());
+  file.set_attribute("particles", "lower_platen_m", 0.0);
+  file.set_attribute("particles", "upper_platen_m", wanted.container.height);
+  file.set_attribute("particles", "diameter_m", 2 * wanted.container.radius);
   file.publish();
   return particles;
 }
