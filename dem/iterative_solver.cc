@@ -3,6 +3,7 @@
 #include "dem/network_matrix.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dem {
 
