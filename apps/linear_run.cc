@@ -1,5 +1,6 @@
 #include "apps/linear_run.h"
 
+#include "apps/equations_text.h"
 #include "dem/linear.h"
 
 #include <algorithm>
@@ -57,7 +58,10 @@ public:
   {
     work_towards(file.read_doubles("state/time").at(0)); // finds out, too, whether that was the end
   }
-  std::string statistics() const override { return "1 elastic solution"; }
+  std::string statistics() const override
+  {
+    return "1 elastic solution: " + equations_text(model_.network, model_.statistics);
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:

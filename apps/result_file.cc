@@ -27,17 +27,20 @@ void write_columns(dem::Hdf5File& file, const std::string& group,
   file.set_attribute(group, "columns", names); // HDF5 sorts its members
 }
 
-/// |E*| and phase angle over frequency, from the same elastic solution.
+/// |E*| and phase angle over frequency, from the elastic solution of the run.
 std::vector<Column> modulus_columns(const RunInProgress& r)
 {
-  const dem::LinearModel model = dem::make_linear_model(r.specimen.assembly);
+  const dem::Assembly& assembly = r.specimen.assembly;
+  const dem::CreepLaw law = dem::proportional_laws(assembly.laws).value().creep;
+  const dem::CreepLaw creep = dem::network_creep(law).law;
+  const double elastic = r.record.history.back().compliance * assembly.area / assembly.gauge_length;
   std::vector<Column> columns{{"frequency_Hz", "Hz", {}},
                               {"complex_modulus_MPa", "MPa", {}},
                               {"phase_angle_degrees", "degree", {}},
                               {"storage_modulus_MPa", "MPa", {}},
                               {"loss_modulus_MPa", "MPa", {}}};
   for (const double f : r.scene.scene->output.frequencies) {
-    const std::complex<double> e = dem::complex_modulus(model, 2 * std::numbers::pi * f);
+    const std::complex<double> e = dem::complex_modulus(creep, elastic, 2 * std::numbers::pi * f);
     const double row[] = {f, std::abs(e) / 1e6, std::arg(e) * 180 / std::numbers::pi,
                           e.real() / 1e6, e.imag() / 1e6};
     for (std::size_t k = 0; k < columns.size(); ++k)

@@ -1,5 +1,6 @@
 #include "apps/specimen_run.h"
 
+#include "apps/equations_text.h"
 #include "apps/linear_run.h"
 #include "apps/quasistatic_run.h"
 #include "apps/specimen.h"
@@ -51,10 +52,9 @@ public:
   std::string statistics() const override
   {
     const auto& s = solver_.network_solver().statistics();
-    return fmt::format("{} unknowns, {} nonzeros in the factor, {} factorisations, {} updates by a "
-                       "broken bond or opened contact, energy in regularising springs {:.1e}",
-                       model_.network.n_dofs, s.n_factor_nonzeros, s.n_factorisations, s.n_updates,
-                       state_.largest_ground_share);
+    return fmt::format("{}, {} updates by a broken bond or opened contact, energy in regularising "
+                       "springs {:.1e}",
+                       equations_text(model_.network, s), s.n_updates, state_.largest_ground_share);
   }
   bool work_is_even_in_time() const override { return false; }
 

@@ -108,8 +108,9 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
           strain_limit};
 }
 
-EventsSolver::EventsSolver(const EventsModel& model)
-    : model_(&model), network_solver_(model.network, undamaged(model.network))
+EventsSolver::EventsSolver(const EventsModel& model, std::size_t most_factored)
+    : model_(&model), most_factored_(most_factored),
+      network_solver_(model.network, undamaged(model.network), most_factored)
 {
   refresh(undamaged(model.network));
 }
@@ -133,7 +134,7 @@ EventsState EventsSolver::start()
 
 void EventsSolver::resume(const EventsState& state)
 {
-  network_solver_ = NetworkSolver(model_->network, state.damage);
+  network_solver_ = NetworkSolver(model_->network, state.damage, most_factored_);
   refresh(state.damage);
   find_breakage(state);
 }

@@ -61,7 +61,7 @@ DisplacementSegment following(const LinearModel& model, const Loading& loading,
 
 } // namespace
 
-LinearModel make_linear_model(const Assembly& assembly)
+LinearModel make_linear_model(const Assembly& assembly, std::size_t most_factored)
 {
   validate(assembly);
   refuse_confinement(assembly, "linear");
@@ -73,10 +73,11 @@ LinearModel make_linear_model(const Assembly& assembly)
   model.network = make_network(assembly);
   model.creep = network_creep(laws->creep).law;
   model.spectrum = relaxation_spectrum(model.creep);
-  const NetworkSolver solver(model.network, undamaged(model.network));
+  const NetworkSolver solver(model.network, undamaged(model.network), most_factored);
   if (!solver.response())
     throw std::runtime_error("the network cannot carry the load: " + solver.obstacle());
   model.unit_response = *solver.response();
+  model.statistics = solver.statistics();
   const Eigen::VectorXd& load = model.network.unit_load;
   model.compliance = load.isZero(0) ? 0 : load.dot(model.unit_response) / load.norm();
   model.area = assembly.area;
@@ -91,8 +92,12 @@ double creep_compliance(const LinearModel& model, double t)
 
 std::complex<double> complex_modulus(const LinearModel& model, double omega)
 {
-  const double elastic = model.compliance * model.area / model.gauge_length;
-  return 1.0 / (elastic * complex_compliance(model.creep, omega));
+  return complex_modulus(model.creep, model.compliance * model.area / model.gauge_length, omega);
+}
+
+std::complex<double> complex_modulus(const CreepLaw& creep, double elastic, double omega)
+{
+  return 1.0 / (elastic * complex_compliance(creep, omega));
 }
 
 LinearResponse linear_response(const LinearModel& model, const Loading& loading, double time)
