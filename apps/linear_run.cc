@@ -57,6 +57,13 @@ public:
     work_towards(file.read_doubles("state/time").at(0)); // finds out, too, whether that was the end
   }
   std::string statistics() const override { return "1 elastic solution"; }
+  Counts counts() const override
+  {
+    return {{"unknowns", double(model_.network.n_dofs)},
+            {"steps", 0},
+            {"solves", 1},
+            {"factorisations", 1}};
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:
