@@ -200,6 +200,11 @@ int report(Findings findings, const LoadedScene& scene, const std::filesystem::p
   fmt::print("{}", study_table(findings.rows));
   say(fmt::format("\ncheapest settings:\n{}\ntable {}", cheapest_text(findings.rows),
                   (folder / "study.csv").string()));
+  if (reference.left_out.value_or(0) > accuracies.back())
+    say(fmt::format(
+        "note: marks below the {:.2g} % that the reference leaves out say how near a run "
+        "is to it, not to the truth",
+        100 * *reference.left_out));
   if (scene.scene->output.plots)
     for (const std::string& figure : make_study_figure(folder))
       say("figure " + figure);

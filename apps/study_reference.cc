@@ -31,8 +31,8 @@ bool stays_intact(const StudyRow& row)
 StudyReference small_displacements(const StudyRow& row, const std::string& what)
 {
   return {row.rung,
-          fmt::format("{}; it takes displacements as small: what it leaves out is of the order of "
-                      "the largest strain, {:.2g} %",
+          fmt::format("{}; it takes displacements as small: what it leaves out is at least of the "
+                      "order of the largest strain, {:.2g} %",
                       what, 100 * row.motion),
           row.motion};
 }

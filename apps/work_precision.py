@@ -121,6 +121,8 @@ def notes(rows):
     if any(row["largest_error_percent"] is not None and row["is_reference"] == "0"
            and row["largest_error_percent"] < FLOOR for row in rows):
         text.append(f"Errors below {FLOOR:g} % are drawn there.")
+    text += [f"Cheapest for {row['cheapest_for'].replace(';', ',')}: the reference itself."
+             for row in rows if row["is_reference"] == "1" and row["cheapest_for"]]
     missing = {}
     for row in rows:
         if row["state"] != "finished":
