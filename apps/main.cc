@@ -62,7 +62,8 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
   SolverStudyOptions& v = a.study;
   verb->add_option("scene", a.scene, "Scene file")->required();
   verb->add_option("--solvers", v.ladders.solvers, "Which, separated by commas (default: all)")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   verb->add_option("--budget", v.budget, "Wall time of a run, such as '300 s' (default)");
   verb->add_option("--threads", v.n_threads, "Threads of a run (default: 1)")
       ->check(CLI::Range(1, 1024));
@@ -75,14 +76,17 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
                    "quasistatic: factors on Strain per step and Error tolerance of the scene "
                    "(default: 16,8,4,2,1,0.5,0.25)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::Range(1e-3, 1e3));
   verb->add_option("--batches", v.ladders.batches,
                    "quasistatic: values of Breakage batch (default: 256,64,16,4,1)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::Range(1L, 1000000L));
   verb->add_option("--scalings", v.ladders.scalings,
                    "dynamic: values of Viscosity scaling (default: 1e-5,3e-5,1e-4,...,1)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::Range(1e-12, 1.0));
   verb->add_option("--packing", v.packing, "Packing stored by 'mastic pack' for this scene");
   verb->add_option("-o,--output", v.output, "Folder (default: that of the results, with -study)");

@@ -58,8 +58,9 @@ double number(const Row& row, const std::string& column)
 std::vector<std::string> study(const std::vector<std::string>& options,
                                const std::vector<std::string>& settings = {})
 {
-  std::vector<std::string> arguments{"study", "net.scene", "--quiet"};
+  std::vector<std::string> arguments{"study", "--quiet"};
   arguments.insert(arguments.end(), options.begin(), options.end());
+  arguments.push_back("net.scene"); // last: options with several values must not take it
   return with(with(arguments, {"Loading/End time = 10 s", "Output/History times = 20"}), settings);
 }
 
