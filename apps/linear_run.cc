@@ -62,6 +62,13 @@ public:
   {
     return "1 elastic solution: " + equations_text(model_.network, model_.statistics);
   }
+  Counts counts() const override
+  {
+    return {{"unknowns", double(model_.network.n_dofs)},
+            {"steps", 0},
+            {"solves", 1},
+            {"factorisations", 1}};
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:

@@ -2,6 +2,7 @@
 #include "apps/interrupt.h"
 #include "apps/plot.h"
 #include "apps/run.h"
+#include "apps/solver_study.h"
 #include "apps/study.h"
 #include "apps/text.h"
 #include "apps/verbs.h"
@@ -27,6 +28,7 @@ struct Arguments {
   std::vector<std::string> results;
   std::string resume, packing, time;
   RunOptions run;
+  SolverStudyOptions study;
   bool as_csv = false;
 };
 
@@ -51,6 +53,51 @@ void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
   verb->add_flag("--report", a.run.for_parent)->group("");
   add_common(*verb, a);
   verb->callback([&] { action = [&] { return run_verb(a.scene, a.resume, a.packing, a.run); }; });
+}
+
+void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand(
+      "study", "Speed against error: run a scene with all solvers at several settings");
+  SolverStudyOptions& v = a.study;
+  verb->add_option("scene", a.scene, "Scene file")->required();
+  verb->add_option("--solvers", v.ladders.solvers, "Which, separated by commas (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  verb->add_option("--budget", v.budget, "Wall time of a run, such as '300 s' (default)");
+  verb->add_option("--threads", v.n_threads, "Threads of a run (default: 1)")
+      ->check(CLI::Range(1, 1024));
+  verb->add_option("--repeat", v.n_repetitions, "Times are medians of so many runs (default: 1)")
+      ->check(CLI::Range(1, 1000));
+  verb->add_option("--reference", v.reference,
+                   "What errors are measured against: auto (default) or a solver")
+      ->check(CLI::IsMember({"auto", "linear", "events", "quasistatic", "dynamic"}));
+  verb->add_option("--steps", v.ladders.coarsening,
+                   "quasistatic: factors on Strain per step and Error tolerance of the scene "
+                   "(default: 16,8,4,2,1,0.5,0.25)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1e-3, 1e3));
+  verb->add_option("--batches", v.ladders.batches,
+                   "quasistatic: values of Breakage batch (default: 256,64,16,4,1)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1L, 1000000L));
+  verb->add_option("--scalings", v.ladders.scalings,
+                   "dynamic: values of Viscosity scaling (default: 1e-5,3e-5,1e-4,...,1)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1e-12, 1.0));
+  verb->add_option("--packing", v.packing, "Packing stored by 'mastic pack' for this scene");
+  verb->add_option("-o,--output", v.output, "Folder (default: that of the results, with -study)");
+  verb->add_flag("--quiet", v.quiet, "No progress");
+  add_common(*verb, a);
+  verb->callback([&] {
+    action = [&] {
+      a.study.overrides = a.run.overrides;
+      return study_verb(a.scene, a.study);
+    };
+  });
 }
 
 void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
@@ -147,6 +194,7 @@ int main(int argc, char** argv)
   arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::function<int()> action;
   add_run(app, arguments, action);
+  add_study(app, arguments, action);
   add_others(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);

@@ -69,6 +69,22 @@ public:
         100 * energy.friction / energy.work, 100 * energy.breakage / energy.work,
         energy.regularisation / energy.work, energy.gap() / energy.work);
   }
+  Counts counts() const override
+  {
+    const dem::StaleFactor::Statistics& s = solver_.finder().factor().statistics();
+    const dem::EnergyLedger& energy = state_.path.back().energy;
+    const double scale = energy.work != 0 ? energy.work : 1;
+    return {{"unknowns", double(model_.dofs.n_dofs)},
+            {"steps", double(state_.n_steps)},
+            {"rejected_steps", double(state_.n_rejected)},
+            {"equilibria", double(state_.path.size())},
+            {"solves", double(s.n_solves)},
+            {"iterations", double(s.n_iterations)},
+            {"factorisations", double(s.n_factorisations)},
+            {"passages", double(state_.n_passages)},
+            {"regularisation_energy_share", energy.regularisation / scale},
+            {"energy_gap_share", energy.gap() / scale}};
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:

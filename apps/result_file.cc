@@ -1,5 +1,6 @@
 #include "apps/cycles.h"
 #include "apps/files.h"
+#include "apps/machine.h"
 #include "apps/paraview.h"
 #include "apps/run.h"
 #include "dem/linear.h"
@@ -67,6 +68,14 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
   file.set_attribute("", "end", name_of(r.run->end()));
   file.set_attribute("", "end_reason", r.run->end_reason());
   file.set_attribute("", "wall_time_s", wall_time);
+  file.set_attribute("", "control",
+                     std::string(r.loading.control == dem::Loading::Control::displacement
+                                     ? "displacement"
+                                     : "force"));
+  file.set_attribute("", "machine", machine_name());
+  file.set_attribute("", "bonds", double(r.specimen.assembly.bonds.size()));
+  for (const auto& [what, count] : r.run->counts())
+    file.set_attribute("", what, count);
   file.set_attribute("", "threads", r.n_threads);
   file.set_attribute("", "packing_seed", double(r.scene.scene->specimen.seed));
   file.set_attribute("", "strength_seed", double(r.scene.scene->strength.seed));

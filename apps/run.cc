@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -194,7 +195,10 @@ void start_run(RunInProgress& r, const RunOptions& options)
                                             "quasistatic",
                                             name_of(r.decision.solver)));
   r.n_threads = options.n_threads;
+  const auto start = std::chrono::steady_clock::now(); // the first factorisation is work, too
   r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
+  r.wall_time_before =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
                   r.specimen.assembly.bonds.size(), name_of(r.decision.solver), r.decision.reason));
   if (r.specimen.assembly.strengths && r.specimen.assembly.strengths->n_nonpositive > 0)

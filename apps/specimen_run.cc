@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -27,7 +28,7 @@ public:
   void work_towards(double time) override
   {
     const Stopwatch watch;
-    while (!ended() && !reached(time) && watch.seconds() < work_slice)
+    for (; !ended() && !reached(time) && watch.seconds() < work_slice; ++n_steps_)
       state_ = solver_.step(std::move(state_));
   }
   bool reached(double time) const override { return solver_.next_change(state_) > time; }
@@ -56,12 +57,21 @@ public:
                        "springs {:.1e}",
                        equations_text(model_.network, s), s.n_updates, state_.largest_ground_share);
   }
+  Counts counts() const override
+  {
+    const auto& s = solver_.network_solver().statistics();
+    return {{"unknowns", double(model_.network.n_dofs)},
+            {"steps", double(n_steps_)},
+            {"solves", double(s.n_factorisations + s.n_updates + s.n_refinements)},
+            {"factorisations", double(s.n_factorisations)}};
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:
   dem::EventsModel model_;
   dem::EventsSolver solver_;
   dem::EventsState state_;
+  long n_steps_ = 0; ///< changes followed, since the start or the last resumption
 };
 
 class DynamicRun : public SpecimenRun {
@@ -125,6 +135,14 @@ public:
                        "ramp {:.3g} s (real {:.3g} s)",
                        state_.n_steps, model_.time_step, model_.axial_period, model_.ramp_time,
                        model_.ramp_time / model_.settings.viscosity_scaling);
+  }
+  Counts counts() const override
+  {
+    return {
+        {"unknowns", 6.0 * double(std::ranges::count(model_.assembly.support, dem::Support::free))},
+        {"steps", double(state_.n_steps)},
+        {"solves", 0},
+        {"factorisations", 0}};
   }
   bool work_is_even_in_time() const override { return true; }
 

@@ -247,9 +247,12 @@ TEST(Results, SayWhereTheyComeFrom)
   EXPECT_EQ(file.number_attribute("", "strength_seed"), 7);
   EXPECT_EQ(file.number_attribute("", "storage_version"), 1);
   EXPECT_TRUE(file.text_attribute("", "estimated_values").starts_with("Maxwell stiffness, "));
-  for (const char* attribute :
-       {"revision", "compiler", "written_utc", "solver_reason", "solver_statistics", "sign"})
+  for (const char* attribute : {"revision", "compiler", "written_utc", "solver_reason",
+                                "solver_statistics", "sign", "machine"})
     EXPECT_NE(file.text_attribute("", attribute), "") << attribute;
+  EXPECT_EQ(file.text_attribute("", "control"), "force");
+  for (const char* count : {"unknowns", "bonds", "steps", "solves", "factorisations"})
+    EXPECT_GE(file.number_attribute("", count), 1) << count;
   EXPECT_EQ(file.read_text("scene/as_typed"), networks::scene);
   EXPECT_TRUE(contains(file.read_text("scene/resolved"), "\n  set Axial stress = 1000 kPa\n"));
 
