@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dem {
 
 namespace {
 
-constexpr int most_iterations = 40;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int most_iterations = 25;
+/// What is left out of balance after so many may be taken into the next step, over the tolerance.
+constexpr double loose = 100;
 /// Iterations after which each step is searched along for the least potential.
 constexpr int plain_iterations = 6;
-constexpr int most_shortenings = 5;
+constexpr int most_shortenings = 7;
 /// Below, waking a thread takes longer than the work.
 constexpr Index links_worth_threads = 2000;
 
@@ -120,33 +124,47 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
         problem.tolerance * std::max(result.largest_force, problem.external.size() > 0
                                                                ? 1e-3 * problem.external.norm()
                                                                : 0.0);
+    static const bool debug = getenv("QDEBUG"); // DBG
+    if (debug)
+      fprintf(stderr, "   it %d res %.3e wanted %.3e its %ld fact %ld worst %d\n",
+              result.n_iterations, residual.largest, wanted, factor_.statistics().n_iterations,
+              factor_.statistics().n_factorisations, result.worst_body); // DBG
     if (!std::isfinite(residual.largest))
       return result;
     if (residual.largest <= wanted) {
       result.found = true;
       return result;
     }
-    if (result.n_iterations == most_iterations || dofs_.n_dofs == 0)
+    if (result.n_iterations == most_iterations || dofs_.n_dofs == 0) {
+      result.found = residual.largest <= loose * wanted;
       return result;
+    }
     const std::optional<Eigen::VectorXd> direction =
         factor_.solve(matrix_, *problem.body_links, dofs_, residual.force,
                       linear_tolerance(residual.largest, wanted), problem.stiffness,
                       n_links > links_worth_threads ? n_threads_ : 1);
+    if (debug && !direction)
+      fprintf(stderr, "  NO DIRECTION\n"); // DBG
     if (!direction)
       return result;
     const double slope = residual.force.dot(*direction), before = residual.force.norm();
     const Eigen::VectorXd from = result.x;
-    double share = 1;
+    const bool searching = result.n_iterations > plain_iterations; // two states take turns
+    const double enough = (searching ? 0.2 : 0.8) * slope;
+    double share = 1, low = 0, low_slope = slope, high = 1, high_slope = slope;
     for (int shortening = 0;; ++shortening) {
       result.x = from + share * *direction;
       residual = evaluate(problem, result.x, result);
-      const double now = residual.force.dot(*direction);
-      const bool searching = result.n_iterations > plain_iterations; // two states take turns
-      if (shortening == most_shortenings || std::abs(now) < (searching ? 0.2 : 0.8) * slope ||
+      const double now =
+          std::isfinite(residual.largest) ? residual.force.dot(*direction) : -infinity;
+      const bool undershoots_all = shortening == 0 && now > -enough;
+      if (shortening == most_shortenings || undershoots_all || std::abs(now) <= enough ||
           (!searching && residual.force.norm() < before))
         break;
-      const double secant = std::isfinite(now) && now < slope ? slope / (slope - now) : 0.5;
-      share *= std::clamp(secant, 0.1, 0.6);
+      (now < 0 ? high : low) = share;
+      (now < 0 ? high_slope : low_slope) = now;
+      const double secant = low_slope / (low_slope - high_slope);
+      share = low + (high - low) * std::clamp(std::isfinite(high_slope) ? secant : 0.1, 0.1, 0.9);
     }
   }
 }

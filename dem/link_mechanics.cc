@@ -170,16 +170,17 @@ LinkAnswer answer(const LinkStep& step, std::size_t k, const Configuration& now)
     }
   }
   const bool platen = link.second >= step.bodies->n_particles();
-  result.tangent.arm_first = 0.5 * link.distance + (platen ? 0.5 * link.distance : link.offset);
-  result.tangent.arm_second = link.distance - result.tangent.arm_first;
-  const Motion motion = step.geometry == Geometry::finite ? finite_motion(step, link, now, result)
-                                                          : small_motion(step, link, now, result);
+  const auto set_arms = [&](double length) {
+    result.tangent.arm_first = platen ? length : 0.5 * length + link.offset;
+    result.tangent.arm_second = length - result.tangent.arm_first;
+  };
+  const bool finite = step.geometry == Geometry::finite;
+  set_arms(finite ? link.distance : link.span);
+  const Motion motion =
+      finite ? finite_motion(step, link, now, result) : small_motion(step, link, now, result);
   result.tangent.normal = result.frame.normal;
-  if (step.geometry == Geometry::finite) {
-    result.tangent.arm_first =
-        0.5 * result.distance + (platen ? 0.5 * result.distance : link.offset);
-    result.tangent.arm_second = result.distance - result.tangent.arm_first;
-  }
+  if (finite)
+    set_arms(result.distance);
   if (!link.closed && result.distance >= link.touch)
     return result;
   split_into_modes(link, motion, result);

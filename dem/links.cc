@@ -36,7 +36,7 @@ Link open_contact(Index first, Index second, const Assembly& assembly, const Bod
   const int own = bodies.material_class[first];
   link.law = law_between(assembly, own, platen ? own : bodies.material_class[second]);
   const Vec3 r = branch(link, bodies, centre);
-  link.distance = r.norm();
+  link.distance = link.span = r.norm();
   link.touch = std::min(link.distance, bodies.radius[first] + (platen ? 0 : bodies.radius[second]));
   link.offset = platen ? 0.5 * link.distance : 0.5 * (bodies.radius[first] - bodies.radius[second]);
   link.frame = any_frame(r / link.distance);
@@ -113,7 +113,7 @@ Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const
     link.closed = true;
     link.offset = assembly.bonds.contact_offset[b];
     const Vec3 r = branch(link, bodies, centre);
-    link.touch = link.distance = r.norm();
+    link.touch = link.distance = link.span = r.norm();
     link.frame = any_frame(r / link.distance);
     links.link.push_back(link);
   }

@@ -29,6 +29,7 @@ struct Link {
   double offset;       ///< of the contact point from mid-distance towards the second [m]
   double touch;        ///< distance of the centres at which an open contact closes [m]
   double distance;     ///< of the centres, or height above the platen [m]
+  double span;         ///< distance when the link was made: of the arms of small displacements [m]
   BondFrame frame;     ///< from the first body to the second
 };
 

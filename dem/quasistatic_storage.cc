@@ -24,7 +24,7 @@ std::vector<Vec3> vectors(const std::vector<double>& numbers)
 
 constexpr int path_columns = 12;
 constexpr int link_integers = 6;
-constexpr int link_numbers = 9;
+constexpr int link_numbers = 10;
 
 void write_links(Hdf5File& file, const std::string& group, const Links& links)
 {
@@ -33,7 +33,7 @@ void write_links(Hdf5File& file, const std::string& group, const Links& links)
   for (const Link& link : links.link) {
     integers.insert(integers.end(), {link.first, link.second, link.bond, link.law,
                                      std::int32_t(link.kind), std::int32_t(link.closed)});
-    numbers.insert(numbers.end(), {link.offset, link.touch, link.distance});
+    numbers.insert(numbers.end(), {link.offset, link.touch, link.distance, link.span});
     for (const Vec3& v : {link.frame.normal, link.frame.tangent})
       numbers.insert(numbers.end(), {v.x(), v.y(), v.z()});
   }
@@ -61,7 +61,8 @@ Links read_links(const Hdf5File& file, const std::string& group, const Links& at
                           g[0],
                           g[1],
                           g[2],
-                          {Vec3(g[3], g[4], g[5]), Vec3(g[6], g[7], g[8])}});
+                          g[3],
+                          {Vec3(g[4], g[5], g[6]), Vec3(g[7], g[8], g[9])}});
   }
   links.memory = file.read_doubles(group + "/memory");
   links.reference = vectors(file.read_doubles(group + "/reference"));

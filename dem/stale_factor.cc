@@ -10,7 +10,7 @@ namespace {
 constexpr long iterations_per_factorisation = 30;
 /// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
 constexpr long free_iterations = 3;
-constexpr long most_iterations = 200;
+constexpr long most_iterations = 120;
 /// Links that carry outside the pattern before it is analysed anew.
 constexpr std::size_t most_outside = 40;
 
@@ -69,6 +69,17 @@ std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
 {
   if (!wear_.factorised || wear_.extra_iterations > iterations_per_factorisation)
     factorise(matrix, dofs, stiffness);
+  else if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads))
+    return x;
+  else
+    factorise(matrix, dofs, stiffness);
+  return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads);
+}
+
+std::optional<Eigen::VectorXd>
+StaleFactor::iterate(const LinkMatrix& matrix, const BodyLinks& body_links, const LinkDofs& dofs,
+                     const Eigen::VectorXd& b, double tolerance, double stiffness, int n_threads)
+{
   const double scale = wear_.factorised->stiffness / stiffness;
   const auto precondition = [&](const Eigen::VectorXd& r) {
     return Eigen::VectorXd(scale * factor_->back_solve(factor_->half_solve(r)));

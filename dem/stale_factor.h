@@ -45,6 +45,9 @@ public:
   const Statistics& statistics() const { return statistics_; }
 
 private:
+  std::optional<Eigen::VectorXd> iterate(const LinkMatrix& matrix, const BodyLinks& body_links,
+                                         const LinkDofs& dofs, const Eigen::VectorXd& b,
+                                         double tolerance, double stiffness, int n_threads);
   void factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness);
   void analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs);
 
