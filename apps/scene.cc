@@ -39,6 +39,9 @@ void declare_top(Schema& s, Scene& scene)
       "any laws, no inertia. dynamic: explicit with inertia, friction, finite "
       "motion. auto takes the "
       "cheapest whose assumptions hold and says which and why.");
+  s.quantity("Small strain", scene.small_strain, "%", "1 %", above(0),
+             "auto goes on with the quasi-static solver when the specimen has strained so much and "
+             "bonds break: up to there displacements are taken as small.");
   s.flag("Accept unusual values", scene.accept_unusual, "false",
          "Radii, densities and stiffnesses far from those of stone and binder are refused unless "
          "this is true: most often they come from a wrong unit.");

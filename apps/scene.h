@@ -49,6 +49,7 @@ struct Scene {
   std::string title;
   SolverChoice solver;
   bool accept_unusual;
+  double small_strain; ///< up to which `auto` takes displacements as small [-]
 
   struct Specimen {
     SpecimenSource source;

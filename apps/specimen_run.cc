@@ -1,6 +1,7 @@
 #include "apps/specimen_run.h"
 
-#include "apps/equations_text.h"
+#include "apps/climbing_run.h"
+#include "apps/events_run.h"
 #include "apps/linear_run.h"
 #include "apps/quasistatic_run.h"
 #include "apps/specimen.h"
@@ -18,61 +19,6 @@
 namespace apps {
 
 namespace {
-
-class EventsRun : public SpecimenRun {
-public:
-  explicit EventsRun(const dem::EventsModel& model) : model_(model), solver_(model_)
-  {
-    state_ = solver_.start();
-  }
-  void work_towards(double time) override
-  {
-    const Stopwatch watch;
-    for (; !ended() && !reached(time) && watch.seconds() < work_slice; ++n_steps_)
-      state_ = solver_.step(std::move(state_));
-  }
-  bool reached(double time) const override { return solver_.next_change(state_) > time; }
-  bool ended() const override { return state_.end != dem::RunEnd::running; }
-  dem::RunEnd end() const override { return state_.end; }
-  std::string end_reason() const override { return state_.end_reason; }
-  double time() const override { return dem::start(state_.history.segments.back()); }
-  dem::Response response(double time) const override { return solver_.response(state_, time); }
-  Snapshot snapshot(double time) const override
-  {
-    return network_snapshot(model_.network, time, state_.damage.status,
-                            solver_.displacements(state_, time),
-                            solver_.elastic_displacements(state_, time));
-  }
-  const std::vector<dem::Breakage>& breakages() const override { return state_.breakages; }
-  void save(dem::Hdf5File& file) const override { dem::write_state(file, "state", state_); }
-  void load(const dem::Hdf5File& file) override
-  {
-    state_ = dem::read_events_state(file, "state", model_);
-    solver_.resume(state_);
-  }
-  std::string statistics() const override
-  {
-    const auto& s = solver_.network_solver().statistics();
-    return fmt::format("{}, {} updates by a broken bond or opened contact, energy in regularising "
-                       "springs {:.1e}",
-                       equations_text(model_.network, s), s.n_updates, state_.largest_ground_share);
-  }
-  Counts counts() const override
-  {
-    const auto& s = solver_.network_solver().statistics();
-    return {{"unknowns", double(model_.network.n_dofs)},
-            {"steps", double(n_steps_)},
-            {"solves", double(s.n_factorisations + s.n_updates + s.n_refinements)},
-            {"factorisations", double(s.n_factorisations)}};
-  }
-  bool work_is_even_in_time() const override { return false; }
-
-private:
-  dem::EventsModel model_;
-  dem::EventsSolver solver_;
-  dem::EventsState state_;
-  long n_steps_ = 0; ///< changes followed, since the start or the last resumption
-};
 
 class DynamicRun : public SpecimenRun {
 public:
@@ -195,17 +141,24 @@ SolverDecision choose_solver(const Scene& scene, const dem::Assembly& assembly,
   const std::string several = "the bonds follow several laws that are not proportional, so that "
                               "their forces depend on history";
   if (scene.solver == SolverChoice::linear && !proportional)
-    throw std::invalid_argument("Solver = linear: " + several + "; use dynamic");
+    throw std::invalid_argument("Solver = linear: " + several + "; use quasistatic");
   if (scene.solver == SolverChoice::events && !proportional)
-    throw std::invalid_argument("Solver = events: " + several + "; use dynamic");
+    throw std::invalid_argument("Solver = events: " + several + "; use quasistatic");
   if (scene.solver == SolverChoice::linear && assembly.strengths)
     return {SolverChoice::linear, "the scene asks for it (bonds are taken as unbreakable)"};
   if (scene.solver != SolverChoice::automatic)
     return {scene.solver, "the scene asks for it"};
   if (!proportional)
-    return {SolverChoice::dynamic, several};
-  if (scene.after_breakage == dem::AfterBreakage::friction && assembly.strengths)
-    return {SolverChoice::dynamic, "broken bonds keep friction"};
+    return {SolverChoice::quasistatic, several};
+  if (has_temperature_history(scene))
+    return {SolverChoice::quasistatic, "the temperature changes"};
+  if (!assembly.confinement.empty())
+    return {SolverChoice::quasistatic, "the lateral surface is under stress"};
+  if (scene.after_breakage == dem::AfterBreakage::friction && assembly.strengths) {
+    if (!loading.true_stress && !breaks_bonds(scene, assembly, loading))
+      return {SolverChoice::linear, "laws are proportional and no bond reaches its strength"};
+    return {SolverChoice::quasistatic, "bonds break and keep friction"};
+  }
   if (loading.true_stress)
     return {SolverChoice::events, "laws are proportional; the force follows the strain (true "
                                   "stress)"};
@@ -213,7 +166,11 @@ SolverDecision choose_solver(const Scene& scene, const dem::Assembly& assembly,
     return {SolverChoice::linear, "laws are proportional and bonds do not break"};
   if (!breaks_bonds(scene, assembly, loading))
     return {SolverChoice::linear, "laws are proportional and no bond reaches its strength"};
-  return {SolverChoice::events, "laws are proportional, bonds break and leave no friction"};
+  return {SolverChoice::events,
+          fmt::format(
+              "laws are proportional, bonds break and leave no friction; above a strain of {:g} % "
+              "the quasi-static solver takes over",
+              100 * scene.small_strain)};
 }
 
 std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
@@ -222,17 +179,14 @@ std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
 {
   if (solver == SolverChoice::linear)
     return make_linear_run(assembly, loading, scene.strength.rate_law, scene.load.strain_limit);
+  if (solver == SolverChoice::events && scene.solver == SolverChoice::automatic)
+    return make_climbing_run(scene, assembly, loading, n_threads);
   if (solver == SolverChoice::events)
     return std::make_unique<EventsRun>(dem::make_events_model(
         assembly, loading, scene.strength.rate_law, scene.after_breakage, scene.load.strain_limit));
   if (solver == SolverChoice::quasistatic) {
-    dem::QuasistaticSettings settings = scene.quasistatic;
-    settings.after_breakage = scene.after_breakage;
-    settings.friction = scene.friction;
-    return make_quasistatic_run(dem::make_quasistatic_model(assembly, loading,
-                                                            scene.strength.rate_law, settings,
-                                                            scene.load.strain_limit),
-                                n_threads);
+    const dem::QuasistaticModel model = quasistatic_model(scene, assembly, loading);
+    return std::make_unique<QuasistaticRun>(model, dem::start(model), n_threads);
   }
   dem::DynamicSettings settings = scene.dynamic;
   settings.after_breakage = scene.after_breakage;

@@ -368,6 +368,14 @@ Eigen::VectorXd EventsSolver::displacements(const EventsState& state, double tim
   return sum;
 }
 
+std::vector<Eigen::VectorXd> EventsSolver::kelvin_displacements(const EventsState& state,
+                                                                double time) const
+{
+  EventsState now = state;
+  creep_fields(now, model_->creep, unit_response_, time);
+  return now.kelvin;
+}
+
 Eigen::VectorXd EventsSolver::elastic_displacements(const EventsState& state, double time) const
 {
   return dem::load(state.history.segments.back(), model_->creep, time) * unit_response_;

@@ -84,6 +84,9 @@ public:
   /// Elastic displacements at such a time: they give the bond forces.
   Eigen::VectorXd elastic_displacements(const EventsState& state, double time) const;
 
+  /// Displacements of the Kelvin branches of all dofs at such a time.
+  std::vector<Eigen::VectorXd> kelvin_displacements(const EventsState& state, double time) const;
+
   const NetworkSolver& network_solver() const { return network_solver_; }
 
 private:
