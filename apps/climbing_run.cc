@@ -56,6 +56,10 @@ public:
   {
     return above_ && time >= climb_time_ ? above_->snapshot(time) : events_.snapshot(time);
   }
+  std::optional<dem::EnergyLedger> energy(double time) const override
+  {
+    return above_ && time >= climb_time_ ? above_->energy(time) : std::nullopt;
+  }
   const std::vector<dem::Breakage>& breakages() const override { return now().breakages(); }
   void save(dem::Hdf5File& file) const override
   {

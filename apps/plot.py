@@ -237,6 +237,22 @@ def draw_cycles(results, key, folder):
                f"windows of {WINDOW:g} decades of cycles, narrower at the end.{note}")
 
 
+def draw_energy(results, key, folder):
+    """Where the work of the loads went, one figure for a single run."""
+    r, parts = results[0], ("stored", "dashpots", "friction", "breakage", "regularisation")
+    sheet = Sheet(results[:1])
+    time, work = r.energy["time_s"], r.energy["work_J"]
+    sheet.panels[0].plot(time, work, color="black", lw=2, label="work of the loads")
+    for part in parts:
+        share = r.energy[f"{part}_J"][-1] / work[-1] if work[-1] else 0
+        sheet.panels[0].plot(time, r.energy[f"{part}_J"], label=f"{part} ({100 * share:.2g} %)")
+    gap = abs(r.energy["gap_J"][-1] / work[-1]) if work[-1] else 0
+    sheet.label(0, "Time [s]", "Energy [J]")
+    sheet.save(folder / "energy.png", key,
+               f"Shares at the end, counted from where the quasi-static solver began. What does not add "
+               f"up: {gap:.1e} of the work.")
+
+
 def draw_compliance(results, key, folder):
     """Creep compliance of intact specimens."""
     sheet = Sheet(results)
@@ -273,6 +289,8 @@ def figures(results):
     yield draw_breakages, [r for r in results if len(r.breakages["time_s"])]
     yield draw_stress_strain, [r for r in platen if not r.creeps]
     yield draw_cycles, [r for r in platen if len(r.cycles.get("cycle", ())) > 1]
+    yield draw_energy, [r for r in results if len(r.energy.get("time_s", ())) > 1
+                        and len(results) == 1]
     yield draw_compliance, [r for r in linear if r.test == "creep"]
     yield draw_modulus, [r for r in linear if r.modulus]
 

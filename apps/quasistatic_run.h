@@ -27,6 +27,10 @@ public:
   double time() const override { return state_.time(); }
   dem::Response response(double time) const override { return solver_.response(state_, time); }
   Snapshot snapshot(double) const override;
+  std::optional<dem::EnergyLedger> energy(double time) const override
+  {
+    return dem::point_at(state_.path, time).energy;
+  }
   const std::vector<dem::Breakage>& breakages() const override { return state_.breakages; }
   void save(dem::Hdf5File& file) const override;
   void load(const dem::Hdf5File& file) override;

@@ -89,6 +89,23 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
                      std::string("history: compression positive; bonds: tension positive"));
 }
 
+/// Where the energy went, at the times of the history.
+std::vector<Column> energy_columns(const RunInProgress& r)
+{
+  std::vector<Column> columns{{"time_s", "s", {}},           {"work_J", "J", {}},
+                              {"stored_J", "J", {}},         {"dashpots_J", "J", {}},
+                              {"friction_J", "J", {}},       {"breakage_J", "J", {}},
+                              {"regularisation_J", "J", {}}, {"gap_J", "J", {}}};
+  for (const dem::Response& row : r.record.history)
+    if (const std::optional<dem::EnergyLedger> e = r.run->energy(row.time)) {
+      const double values[] = {row.time,    e->work,     e->stored,         e->dashpots,
+                               e->friction, e->breakage, e->regularisation, e->gap()};
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        columns[c].values.push_back(values[c]);
+    }
+  return columns;
+}
+
 } // namespace
 
 void write_results(const RunInProgress& r, const std::filesystem::path& folder, double wall_time)
@@ -111,6 +128,10 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
     const std::vector<Column> modulus = modulus_columns(r);
     write_columns(file, "complex_modulus", modulus);
     write_text_file(folder / "complex_modulus.csv", csv(modulus));
+  }
+  if (const std::vector<Column> energy = energy_columns(r); !energy[0].values.empty()) {
+    write_columns(file, "energy", energy);
+    write_text_file(folder / "energy.csv", csv(energy));
   }
   if (cyclic_load(*r.scene.scene, 1)) {
     const std::vector<Column> cycles = cycle_columns(*r.scene.scene, r.record);

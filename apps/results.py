@@ -55,9 +55,9 @@ class Result:
         if self.about.get("kind") != "result":
             raise KeyError("result.h5 is of another kind")
         self.scene = scene_values(bytes(file["scene/resolved"][()]).decode())
-        self.history, self.breakages, self.modulus, self.cycles = (
+        self.history, self.breakages, self.modulus, self.cycles, self.energy = (
             {name: column[()] for name, column in file.get(table, {}).items()}
-            for table in ("history", "breakages", "complex_modulus", "cycles"))
+            for table in ("history", "breakages", "complex_modulus", "cycles", "energy"))
         self.n_particles, self.n_bonds = len(file["packing/radius"]), len(file["bonds/id"])
         self.time, self.end = self.history["time_s"], self.history["time_s"][-1]
         times = self.breakages["time_s"]

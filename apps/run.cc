@@ -113,7 +113,10 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
                   r.specimen.assembly.bonds.size()));
   say("  " + r.run->statistics());
   say(fmt::format("  solved in {}", duration_text(r.wall_time_before)));
-  if (r.decision.solver != SolverChoice::dynamic && std::abs(last.strain) > 0.02)
+  const bool small = r.decision.solver == SolverChoice::linear ||
+                     (r.decision.solver == SolverChoice::events &&
+                      r.scene.scene->solver != SolverChoice::automatic);
+  if (small && std::abs(last.strain) > 0.02)
     say(fmt::format("  note: this solver takes displacements as small; at {:.2g} % of the gauge "
                     "length the change of geometry that it leaves out is of that order",
                     std::abs(100 * last.strain)));

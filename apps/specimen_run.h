@@ -3,6 +3,7 @@
 #include "apps/scene.h"
 #include "dem/assembly.h"
 #include "dem/loading.h"
+#include "dem/strain_path.h"
 
 #include <memory>
 #include <optional>
@@ -48,6 +49,10 @@ public:
 
   /// The same in numbers, for the result file and for studies. Solves: of the network under a load.
   virtual Counts counts() const { return {}; }
+
+  /// Where the energy went up to a time that was reached; absent if the solver does not keep
+  /// account.
+  virtual std::optional<dem::EnergyLedger> energy(double) const { return {}; }
 
   /// Share of the work done when a time of the whole is reached: work is even in time, or in rows
   /// of the history.

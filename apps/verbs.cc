@@ -275,14 +275,14 @@ int plot_verb(const std::vector<std::string>& results, const std::string& output
 
 int export_verb(const std::string& result, const std::string& table, const std::string& time)
 {
-  const std::vector<std::string> tables{"history",   "breakages", "cycles",
+  const std::vector<std::string> tables{"history",   "breakages", "cycles",         "energy",
                                         "particles", "bonds",     "complex_modulus"};
   if (std::find(tables.begin(), tables.end(), table) == tables.end()) {
     const std::string close = nearest(table, tables);
-    throw std::invalid_argument(
-        fmt::format("there is no table '{}'; tables: history, breakages, cycles, particles, bonds, "
-                    "complex_modulus{}",
-                    table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+    throw std::invalid_argument(fmt::format(
+        "there is no table '{}'; tables: history, breakages, cycles, energy, particles, bonds, "
+        "complex_modulus{}",
+        table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
   }
   const dem::Hdf5File file = open_stored(result_file(result), "result");
   std::vector<Column> columns;
