@@ -201,8 +201,9 @@ TEST(Results, ExportNamesTheNearestSnapshotAndTheTablesThereAre)
   EXPECT_TRUE(contains(near.output, "note: nearest snapshot is at 5 s; there are: 0, 5, 20 s\n"));
   const Finished typo = mastic(done.folder, {"export", "out", "breakage"});
   EXPECT_EQ(typo.exit_code, 2);
-  EXPECT_EQ(typo.output, "error: there is no table 'breakage'; tables: history, breakages, cycles, energy, "
-                         "particles, bonds, complex_modulus; did you mean 'breakages'?\n");
+  EXPECT_EQ(typo.output,
+            "error: there is no table 'breakage'; tables: history, breakages, cycles, energy, "
+            "particles, bonds, complex_modulus; did you mean 'breakages'?\n");
   const Finished absent = mastic(done.folder, {"export", "out", "complex_modulus"});
   EXPECT_EQ(absent.exit_code, 2);
   EXPECT_TRUE(contains(absent.output, "error: the result has no table 'complex_modulus'"));

@@ -82,6 +82,7 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                         "subsection Nonsense\n  set Km = 1\nend\n")),
             (Lines{"a.scene:6: give the law a name: 'subsection Bond law NAME'",
                    "a.scene:1: there is no key 'Km'; keys outside of sections are: Title, Solver, "
+                   "Small strain, "
                    "Accept unusual values",
                    "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "

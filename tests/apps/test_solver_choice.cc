@@ -73,11 +73,14 @@ TEST(SolverChoice, AutoTakesTheCheapestThatIsExact)
   EXPECT_EQ(decision({weak, "Strength/Distribution = none"}),
             "linear: laws are proportional and bonds do not break");
   EXPECT_EQ(decision({gentle}), "linear: laws are proportional and no bond reaches its strength");
-  EXPECT_EQ(decision({weak}), "events: laws are proportional, bonds break and leave no friction");
+  EXPECT_EQ(decision({weak}), "events: laws are proportional, bonds break and leave no friction; "
+                              "above a strain of 1 % the quasi-static solver takes over");
   EXPECT_EQ(decision({gentle, "Loading/True stress = true"}),
             "events: laws are proportional; the force follows the strain (true stress)");
   EXPECT_EQ(decision({gentle, "Bonds/After breakage = friction"}),
-            "dynamic: broken bonds keep friction");
+            "linear: laws are proportional and no bond reaches its strength");
+  EXPECT_EQ(decision({weak, "Bonds/After breakage = friction"}),
+            "quasistatic: bonds break and keep friction");
   EXPECT_EQ(decision({gentle, "Bonds/After breakage = friction", "Strength/Distribution = none"}),
             "linear: laws are proportional and bonds do not break");
 }
@@ -95,7 +98,7 @@ TEST(SolverChoice, AutoLooksAtTheLaws)
             "linear: laws are proportional and no bond reaches its strength");
   Settings other = proportional;
   other.back() = "Bond law other/Kelvin viscosity = 4.3e6 N s/m";
-  EXPECT_EQ(decision(other), "dynamic: " + not_proportional);
+  EXPECT_EQ(decision(other), "quasistatic: " + not_proportional);
 }
 
 TEST(SolverChoice, TakesTheSolverThatTheSceneNames)
@@ -121,7 +124,7 @@ TEST(SolverChoice, SaysWhyANamedSolverCannotBe)
       FAIL() << name_of(solver);
     } catch (const std::invalid_argument& problem) {
       EXPECT_EQ(problem.what(),
-                "Solver = " + name_of(solver) + ": " + not_proportional + "; use dynamic");
+                "Solver = " + name_of(solver) + ": " + not_proportional + "; use quasistatic");
     }
   }
 }
