@@ -76,6 +76,9 @@ std::vector<double> history_times(const Scene& scene, const dem::Loading& loadin
     if (k > 0 && time == loading.points[k - 1].time) // a jump: what was before it, too
       times.push_back(std::nextafter(time, start));
   }
+  for (const ExpectedValue& expected : scene.expect.values)
+    if (expected.table == ExpectedValue::Table::history)
+      times.push_back(expected.time);
   for (double& time : times)
     time = std::clamp(time, start, end);
   return sorted(times);
@@ -88,6 +91,10 @@ std::vector<double> snapshot_times(const Scene& scene, const dem::Loading& loadi
   for (const double time : scene.output.snapshot_times)
     if (time > start && time < end)
       times.push_back(time);
+  for (const ExpectedValue& expected : scene.expect.values)
+    if (expected.table != ExpectedValue::Table::history && expected.time > start &&
+        expected.time < end)
+      times.push_back(expected.time);
   return sorted(times);
 }
 

@@ -1,4 +1,5 @@
 #include "apps/files.h"
+#include "apps/hard_cases.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
 #include "apps/run.h"
@@ -27,7 +28,7 @@ struct Arguments {
   std::vector<std::string> results;
   std::string resume, packing, time;
   RunOptions run;
-  bool as_csv = false;
+  bool hard = false;
 };
 
 void add_common(CLI::App& verb, Arguments& a)
@@ -48,6 +49,7 @@ void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
                    "Threads of the explicit solver; runs at a time in a study (default: all)")
       ->check(CLI::Range(1, 1024));
   verb->add_flag("--quiet", a.run.quiet, "No progress");
+  verb->add_flag("--unchecked", a.run.unchecked, "Without the sections Expect and Repeat");
   verb->add_flag("--report", a.run.for_parent)->group("");
   add_common(*verb, a);
   verb->callback([&] { action = [&] { return run_verb(a.scene, a.resume, a.packing, a.run); }; });
@@ -90,6 +92,23 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   info->add_option("result", a.result, "Result folder, result.h5, packing or checkpoint")
       ->required();
   info->callback([&] { action = [&] { return info_verb(a.result); }; });
+}
+
+void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand("study", "Run the hard cases and say which are met");
+  verb->add_option("scene", a.scene,
+                   "With --hard: folder of scenes with expectations (default: "
+                   "those that come with the program)");
+  verb->add_flag("--hard", a.hard, "The hard cases: scenes that say what they expect");
+  verb->add_option("--threads", a.run.n_threads, "Threads of the explicit solver (default: all)")
+      ->check(CLI::Range(1, 1024));
+  add_common(*verb, a);
+  verb->callback([&] {
+    if (!a.hard)
+      throw CLI::ValidationError("study needs --hard");
+    action = [&] { return run_hard_cases(a.scene, a.run); };
+  });
 }
 
 /// What is wrong if the first word is no verb: CLI11 would say that one is missing.
@@ -138,13 +157,15 @@ int main(int argc, char** argv)
   app.set_version_flag("--version", std::string("mastic " MASTIC_VERSION " (" MASTIC_REVISION ")"));
   app.footer(
       "A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"
-      "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
+      "Exit codes: 0 done, 1 not as the scene expects, 2 wrong input, 3 a computation failed, 4 "
+      "interrupted with a "
       "checkpoint, 5 the specimen lost its equilibrium.");
   Arguments arguments;
   arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::function<int()> action;
   add_run(app, arguments, action);
   add_others(app, arguments, action);
+  add_study(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);
     return exit_input;

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <poll.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <stdexcept>
 
 extern char** environ;
@@ -66,6 +70,34 @@ Finished read_to_end(const Child& child)
 Finished run_to_end(const std::vector<std::string>& command)
 {
   return read_to_end(start_child(command));
+}
+
+Finished run_to_end(const std::vector<std::string>& command, double time_limit)
+{
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point limit = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                     std::chrono::duration<double>(time_limit));
+  const Child child = start_child(command);
+  Finished result;
+  char buffer[4096];
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(limit - Clock::now());
+    pollfd ready{child.output, POLLIN, 0};
+    const int n_ready = ::poll(&ready, 1, int(std::max<long>(0, left.count())));
+    if (n_ready < 0 && errno == EINTR)
+      continue;
+    if (n_ready <= 0) {
+      ::kill(child.pid, SIGKILL);
+      result.timed_out = true;
+      break;
+    }
+    const ssize_t n = ::read(child.output, buffer, sizeof buffer);
+    if (n <= 0 && errno != EINTR)
+      break;
+    result.output.append(buffer, std::size_t(std::max<ssize_t>(0, n)));
+  }
+  result.exit_code = wait_for(child);
+  return result;
 }
 
 } // namespace apps

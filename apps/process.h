@@ -23,8 +23,13 @@ int wait_for(const Child& child);
 struct Finished {
   std::string output;
   int exit_code;
+  bool timed_out = false; ///< it was killed because its time was over
 };
 Finished read_to_end(const Child& child);
 Finished run_to_end(const std::vector<std::string>& command);
+
+/// The same, but a child that takes longer is killed.
+/// \param time_limit  [s]
+Finished run_to_end(const std::vector<std::string>& command, double time_limit);
 
 } // namespace apps

@@ -341,6 +341,8 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
   declare_dynamic(schema, scene);
   declare_output(schema, scene.output);
   declare_study(schema, scene.study);
+  declare(schema, scene.expect);
+  declare(schema, scene.repeat);
 }
 
 bool LoadedScene::has_errors() const
@@ -389,6 +391,11 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   declare(*loaded.schema, *loaded.scene, law_names(scanned.entries));
   for (Diagnostic& each : loaded.schema->apply(scanned.entries))
     loaded.diagnostics.push_back(std::move(each));
+  try {
+    read_expectations(loaded.scene->expect, *loaded.units);
+  } catch (const std::invalid_argument& problem) {
+    loaded.diagnostics.push_back({Diagnostic::Kind::error, "Expect", problem.what()});
+  }
   if (!loaded.has_errors())
     for (Diagnostic& each : check_consistency(*loaded.scene, *loaded.schema))
       loaded.diagnostics.push_back(std::move(each));
