@@ -101,10 +101,12 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
                    "With --hard: folder of scenes with expectations (default: "
                    "those that come with the program)");
   verb->add_flag("--hard", a.hard, "The hard cases: scenes that say what they expect");
-  verb->add_option("--threads", a.run.n_threads, "Threads of the explicit solver (default: all)")
+  verb->add_option("--threads", a.run.n_threads, "Threads of the explicit solver (default: 1)")
       ->check(CLI::Range(1, 1024));
   add_common(*verb, a);
-  verb->callback([&] {
+  verb->callback([&, verb] {
+    if (verb->count("--threads") == 0)
+      a.run.n_threads = 1;
     if (!a.hard)
       throw CLI::ValidationError("study needs --hard");
     action = [&] { return run_hard_cases(a.scene, a.run); };

@@ -92,9 +92,10 @@ Finished run_to_end(const std::vector<std::string>& command, double time_limit)
       break;
     }
     const ssize_t n = ::read(child.output, buffer, sizeof buffer);
-    if (n <= 0 && errno != EINTR)
+    if (n > 0)
+      result.output.append(buffer, std::size_t(n));
+    else if (n == 0 || errno != EINTR)
       break;
-    result.output.append(buffer, std::size_t(std::max<ssize_t>(0, n)));
   }
   result.exit_code = wait_for(child);
   return result;
