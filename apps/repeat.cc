@@ -42,7 +42,8 @@ fs::path write_scene(const LoadedScene& scene, const fs::path& folder)
                   {"Specimen/File = " + full_name(varied.scene->specimen.file),
                    "Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file),
                    "Output/Folder = " + absolute_folder(folder).string(), "Output/Plots = false",
-                   "Output/ParaView = false"});
+                   "Output/ParaView = false", "Repeat/Scene =", "Repeat/Settings =",
+                   "Repeat/Threads = 0", "Repeat/Interruptions = 0"}); // once is enough
   const LoadedScene second = loaded(settings);
   for (const Diagnostic& each : second.diagnostics)
     if (each.kind == Diagnostic::Kind::error)
@@ -80,8 +81,8 @@ Finished stopped(const std::vector<std::string>& command, const fs::path& checkp
 long run_with_interruptions(std::vector<std::string> command, const fs::path& folder, long n)
 {
   const std::string slow = "Output/Checkpoint interval = 1e-9 s";
-  const std::vector<std::string> resume{command[0], "run",       "--resume",    folder.string(),
-                                        "--quiet",  "--threads", command.back()};
+  const std::vector<std::string> resume{command[0],    "run",     "--resume",  folder.string(),
+                                        "--unchecked", "--quiet", "--threads", command.back()};
   remove_checkpoints(folder);
   for (long k = 0; k < n; ++k) {
     command.insert(command.end(), {"--set", slow});

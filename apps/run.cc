@@ -157,6 +157,14 @@ void tell_loose_particles(RunInProgress& r)
                      fmt::join(named, ", "), loose.size() > most_named ? ", ..." : ""));
 }
 
+/// Threads meet after each step, which takes as long as some hundred bonds.
+int useful_threads(const dem::Assembly& assembly, int n_threads)
+{
+  constexpr std::size_t bonds_per_thread = 100;
+  const std::size_t most = std::max<std::size_t>(1, assembly.bonds.size() / bonds_per_thread);
+  return int(std::min(most, std::size_t(n_threads)));
+}
+
 /// Where estimated numbers are in use, the user is told.
 void tell_estimates(RunInProgress& r)
 {
@@ -250,8 +258,8 @@ void start_run(RunInProgress& r, const RunOptions& options)
   r.loading = make_loading(scene, r.specimen.assembly);
   if (r.decision.reason.empty())
     r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
-  r.n_threads = options.n_threads;
-  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
+  r.n_threads = useful_threads(r.specimen.assembly, options.n_threads);
+  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, r.n_threads);
   say(r,
       fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
                   r.specimen.assembly.bonds.size(), name_of(r.decision.solver), r.decision.reason));

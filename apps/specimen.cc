@@ -248,8 +248,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
     assembly.strengths = drawn_strengths(scene, assembly.bonds.id);
   if (scene.load.test == TestKind::particle_loads) {
     if (packing.loads.empty())
-      throw std::invalid_argument(fmt::format("{}: Test = particle loads, but the file has no "
-                                              "loads (columns fx_N to mz_N_m)",
+      throw std::invalid_argument(fmt::format("{}: Test = particle loads, but no particle "
+                                              "is loaded (columns fx_N to mz_N_m)",
                                               packing.origin));
     if (!packing.support)
       throw std::invalid_argument(fmt::format("{}: particle loads need a column 'held' that says "

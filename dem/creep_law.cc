@@ -197,6 +197,7 @@ std::complex<double> complex_compliance(const CreepLaw& law, double omega)
 
 std::vector<RelaxationMode> relaxation_spectrum(const CreepLaw& law)
 {
+  constexpr double margin = 1 + 1e-9; // roots at the end of their interval stay inside
   const std::vector<Pole> pole = poles(law);
   std::vector<RelaxationMode> spectrum;
   if (!law.maxwell_viscosity) {
@@ -218,7 +219,7 @@ std::vector<RelaxationMode> relaxation_spectrum(const CreepLaw& law)
     const bool left = last || middle > 0;
     const std::size_t origin = left ? j : j + 1;
     const int side = left ? 1 : -1;
-    const double distance = root_distance(law, pole, origin, side, 0.5 * width);
+    const double distance = root_distance(law, pole, origin, side, 0.5 * margin * width);
     spectrum.push_back(mode_at(pole, origin, side, distance));
   }
   return spectrum;

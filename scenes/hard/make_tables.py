@@ -48,7 +48,7 @@ def bonds_in_a_row(n):
 # --- pairs and chains -------------------------------------------------------------------------
 
 def pairs():
-    turn = (10 * mp.pi + mpf("0.7")) / creep_compliance(ASPHALT, 100)
+    turn = (10 * mp.pi + mpf("0.7")) / mpf("1.001e-3")  # J(100 s) of h14-law.inc
     header = "x_mm,y_mm,z_mm,r_mm,held,"
     table("pair-particles.csv", header + "fz_N", [(0, 0, 0, 2, "bottom", 0), (0, 0, 4, 2, "free", 1)])
     table("pair-bonds.csv", "a,b", [(0, 1)])
@@ -85,7 +85,7 @@ def chains():
            (20, 0, 2, 2, "bottom"), (20, 0, 6, 2, "free"), (20, 0, 10, 2, "top")])
     table("h07-squeezed-bonds.csv", "a,b,normal_strength_N,shear_strength_N",
           [(0, 1, 100, 1e-6), (1, 2, 100, 1e-6), (3, 4, 100, 100), (4, 5, 100, 100)])
-    turn = 4 * mp.pi / 10 / creep_compliance(ASPHALT, 100)  # of each bond, twice round in all
+    turn = 4 * mp.pi / 10 / mpf("1.001e-3")  # of each bond, twice round in all
     table("h14-rolled-particles.csv", header + "my_N_m", chain(digits(turn / mpf("1e6"))))
     table("h15-bent-particles.csv", header + "fx_N", chain(1))
     table("h15-swapped-chain-bonds.csv", "a,b", [(b, a) for a, b in bonds_in_a_row(10)])

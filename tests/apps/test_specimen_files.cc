@@ -271,7 +271,7 @@ TEST(Specimen, RefusesParticleLoadsThatAreIncomplete)
   const Settings by_particles{"Loading/Test = particle loads"};
   EXPECT_EQ(
       particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,6,2,free\n", by_particles),
-      "particles.csv: Test = particle loads, but the file has no loads (columns fx_N to "
+      "particles.csv: Test = particle loads, but no particle is loaded (columns fx_N to "
       "mz_N_m)");
   EXPECT_EQ(
       particle_refusal("x_mm,y_mm,z_mm,r_mm,fz_N\n0,0,2,2,0\n0,0,6,2,1\n", by_particles),
