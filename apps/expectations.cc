@@ -66,7 +66,7 @@ ExpectedCurve expected_curve(const std::string& text)
 
 } // namespace
 
-bool Repetition::wanted() const
+bool RepeatedRun::wanted() const
 {
   return !scene.empty() || !settings.empty() || n_threads > 0 || n_interruptions > 0;
 }
@@ -102,7 +102,7 @@ void declare(Schema& s, Expectations& v)
           "Texts that the program must say, separated by ';' (errors, warnings, notes).");
 }
 
-void declare(Schema& s, Repetition& v)
+void declare(Schema& s, RepeatedRun& v)
 {
   s.section("Repeat", "The run is made again another way, and must give the same.");
   s.words("Scene", v.scene, "", "Another scene file, beside this one; empty: this scene.");

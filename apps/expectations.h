@@ -58,7 +58,7 @@ struct Expectations {
 enum class Comparison { everything, history, breakages };
 
 /// The same run made another way, which must give the same: section Repeat.
-struct Repetition {
+struct RepeatedRun {
   std::string scene, settings; ///< another file, or overrides separated by ';'
   long n_threads;              ///< 0: as the run itself
   long n_interruptions;
@@ -71,7 +71,7 @@ struct Repetition {
 
 /// Declares the keys of both sections.
 void declare(Schema& schema, Expectations& expectations);
-void declare(Schema& schema, Repetition& repetition);
+void declare(Schema& schema, RepeatedRun& repetition);
 
 /// Takes values and curves from their texts.
 /// \throws std::invalid_argument naming the part that cannot be read

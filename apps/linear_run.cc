@@ -1,5 +1,6 @@
 #include "apps/linear_run.h"
 
+#include "apps/equations_text.h"
 #include "dem/linear.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ public:
   LinearRun(const dem::Assembly& assembly, const dem::Loading& loading,
             const dem::RateLaw& rate_law, double strain_limit)
       : model_(dem::make_linear_model(assembly)), loading_(loading), rate_law_(rate_law),
-        limit_(strain_limit)
+        limit_(strain_limit), history_(dem::linear_history(model_, loading))
   {
   }
   void work_towards(double time) override
@@ -34,11 +35,12 @@ public:
   double time() const override { return time_; }
   dem::Response response(double time) const override
   {
-    const double force = dem::linear_response(model_, loading_, time).force;
-    const double rate = averaged_rate(time);
-    return {
-        time, force, strain(time), rate, dem::strength_factor(rate_law_, rate), model_.compliance,
-        0};
+    const double load = dem::load(dem::segment_at(history_, time), history_.creep, time);
+    const bool by_force = loading_.control == dem::Loading::Control::force;
+    const double rate = dem::averaged_strain_rate(history_, rate_law_, time);
+    return {time, by_force ? load : load / model_.compliance, strain(time),
+            rate, dem::strength_factor(rate_law_, rate),      model_.compliance,
+            0};
   }
   Snapshot snapshot(double time) const override
   {
@@ -56,14 +58,21 @@ public:
   {
     work_towards(file.read_doubles("state/time").at(0)); // finds out, too, whether that was the end
   }
-  std::string statistics() const override { return "1 elastic solution"; }
+  std::string statistics() const override
+  {
+    return "1 elastic solution: " + equations_text(model_.network, model_.statistics);
+  }
+  Counts counts() const override
+  {
+    return {{"unknowns", double(model_.network.n_dofs)},
+            {"steps", 0},
+            {"solves", 1},
+            {"factorisations", 1}};
+  }
   bool work_is_even_in_time() const override { return false; }
 
 private:
-  double strain(double time) const
-  {
-    return dem::linear_response(model_, loading_, time).displacement / model_.gauge_length;
-  }
+  double strain(double time) const { return dem::strain(history_, time); }
 
   /// Time at which the strain reaches its limit, between one within it and one beyond.
   double first_beyond_limit(double within, double beyond) const
@@ -75,63 +84,11 @@ private:
     return beyond;
   }
 
-  /// Sum over the jumps of the load up to a time.
-  template <typename Function>
-  double over_jumps(double time, Function&& value) const
-  {
-    double sum = 0, before = 0;
-    for (std::size_t k = 0; k < loading_.points.size() && loading_.points[k].time <= time; ++k) {
-      if (k == 0 || loading_.points[k].time == loading_.points[k - 1].time)
-        sum += (loading_.points[k].value - before) * value(time - loading_.points[k].time);
-      before = loading_.points[k].value;
-    }
-    return sum;
-  }
-
-  bool by_displacement() const { return loading_.control == dem::Loading::Control::displacement; }
-
-  /// Strain without elastic jumps [-].
-  double smooth_strain(double time) const
-  {
-    const double per_load = by_displacement() ? 1 : model_.compliance;
-    return strain(time) -
-           per_load * over_jumps(time, [](double) { return 1.0; }) / model_.gauge_length;
-  }
-
-  /// Strain rate just after a time, without elastic jumps [1/s].
-  double rate(double time) const
-  {
-    if (by_displacement())
-      return dem::load_rate(loading_, time) / model_.gauge_length;
-    double sum = over_jumps(
-        time, [&](double since) { return dem::creep_compliance_rate(model_.creep, since); });
-    for (std::size_t k = 0; k + 1 < loading_.points.size(); ++k) {
-      const double begin = loading_.points[k].time, end = loading_.points[k + 1].time;
-      if (begin > time || !(end > begin))
-        continue;
-      const double slope =
-          (loading_.points[k + 1].value - loading_.points[k].value) / (end - begin);
-      const double gone = end <= time ? dem::creep_compliance(model_.creep, time - end) : 0;
-      sum += slope * (dem::creep_compliance(model_.creep, time - begin) - gone);
-    }
-    return model_.compliance * sum / model_.gauge_length;
-  }
-
-  /// The rate that the other solvers report: averaged over the window of the rate law.
-  double averaged_rate(double time) const
-  {
-    const double begin = loading_.points.front().time, elapsed = time - begin;
-    const double span =
-        std::min(elapsed, std::max(rate_law_.window, rate_law_.window_fraction * elapsed));
-    if (!(span > 1e-14 * std::abs(time)))
-      return rate(time);
-    return (smooth_strain(time) - smooth_strain(time - span)) / span;
-  }
-
   dem::LinearModel model_;
   dem::Loading loading_;
   dem::RateLaw rate_law_;
   double limit_;
+  dem::LoadHistory history_;
   double time_ = -1;
   dem::RunEnd end_ = dem::RunEnd::running;
   std::vector<dem::Breakage> none_;

@@ -1,5 +1,7 @@
 #include "apps/load_case.h"
 
+#include "apps/cycles.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -23,32 +25,8 @@ std::vector<double> sorted(std::vector<double> times)
   return times;
 }
 
-} // namespace
-
-dem::Loading make_loading(const Scene& scene, const dem::Assembly& assembly)
-{
-  using Control = dem::Loading::Control;
-  const Scene::Load& v = scene.load;
-  const double force = -assembly.area, displacement = -assembly.gauge_length;
-  dem::Loading loading;
-  if (v.test == TestKind::creep && v.release_time)
-    loading = dem::step_and_release(force * v.stress, *v.release_time, v.end_time);
-  else if (v.test == TestKind::creep)
-    loading = dem::step_load(Control::force, force * v.stress, v.end_time);
-  else if (v.test == TestKind::constant_rate)
-    loading = dem::ramp(Control::displacement, displacement * v.strain_rate,
-                        *v.end_strain / std::abs(v.strain_rate));
-  else if (v.test == TestKind::stress_history)
-    loading = from_history(v.stress_history, Control::force, force);
-  else if (v.test == TestKind::strain_history)
-    loading = from_history(v.strain_history, Control::displacement, displacement);
-  else
-    loading = dem::step_load(Control::force, 1, v.end_time);
-  loading.true_stress = v.true_stress;
-  return loading;
-}
-
-std::vector<double> history_times(const Scene& scene, const dem::Loading& loading)
+/// Times spread over the test as asked for, and all points of the load.
+std::vector<double> spaced_times(const Scene& scene, const dem::Loading& loading)
 {
   const Scene::Output& v = scene.output;
   const double start = loading.points.front().time, end = dem::end_time(loading);
@@ -76,6 +54,41 @@ std::vector<double> history_times(const Scene& scene, const dem::Loading& loadin
     if (k > 0 && time == loading.points[k - 1].time) // a jump: what was before it, too
       times.push_back(std::nextafter(time, start));
   }
+  return times;
+}
+
+} // namespace
+
+dem::Loading make_loading(const Scene& scene, const dem::Assembly& assembly)
+{
+  using Control = dem::Loading::Control;
+  const Scene::Load& v = scene.load;
+  const double force = -assembly.area, displacement = -assembly.gauge_length;
+  dem::Loading loading;
+  if (v.test == TestKind::creep && v.release_time)
+    loading = dem::step_and_release(force * v.stress, *v.release_time, v.end_time);
+  else if (v.test == TestKind::creep)
+    loading = dem::step_load(Control::force, force * v.stress, v.end_time);
+  else if (v.test == TestKind::constant_rate)
+    loading = dem::ramp(Control::displacement, displacement * v.strain_rate,
+                        *v.end_strain / std::abs(v.strain_rate));
+  else if (v.test == TestKind::stress_history)
+    loading = from_history(v.stress_history, Control::force, force);
+  else if (v.test == TestKind::strain_history)
+    loading = from_history(v.strain_history, Control::displacement, displacement);
+  else if (const auto cyclic = cyclic_load(scene, assembly.area))
+    loading = dem::cyclic_loading(*cyclic);
+  else
+    loading = dem::step_load(Control::force, 1, v.end_time);
+  loading.true_stress = v.true_stress;
+  return loading;
+}
+
+std::vector<double> history_times(const Scene& scene, const dem::Loading& loading)
+{
+  const double start = loading.points.front().time, end = dem::end_time(loading);
+  std::vector<double> times =
+      cyclic_load(scene, 1) ? cycle_times(scene, loading) : spaced_times(scene, loading);
   for (const ExpectedValue& expected : scene.expect.values)
     if (expected.table == ExpectedValue::Table::history)
       times.push_back(expected.time);

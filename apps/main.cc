@@ -3,6 +3,7 @@
 #include "apps/interrupt.h"
 #include "apps/plot.h"
 #include "apps/run.h"
+#include "apps/solver_study.h"
 #include "apps/study.h"
 #include "apps/text.h"
 #include "apps/verbs.h"
@@ -28,6 +29,7 @@ struct Arguments {
   std::vector<std::string> results;
   std::string resume, packing, time;
   RunOptions run;
+  SolverStudyOptions study;
   bool hard = false;
 };
 
@@ -55,6 +57,57 @@ void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
   verb->callback([&] { action = [&] { return run_verb(a.scene, a.resume, a.packing, a.run); }; });
 }
 
+void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand(
+      "study", "Speed against error: run a scene with all solvers at several settings");
+  SolverStudyOptions& v = a.study;
+  verb->add_option("scene", a.scene, "Scene file; with --hard a folder of them");
+  verb->add_flag("--hard", a.hard,
+                 "Run the scenes that say what they expect, and tell which are met (default: the "
+                 "hard cases that come with the program)");
+  verb->add_option("--solvers", v.ladders.solvers, "Which, separated by commas (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  verb->add_option("--budget", v.budget, "Wall time of a run, such as '300 s' (default)");
+  verb->add_option("--threads", v.n_threads, "Threads of a run (default: 1)")
+      ->check(CLI::Range(1, 1024));
+  verb->add_option("--repeat", v.n_repetitions, "Times are medians of so many runs (default: 1)")
+      ->check(CLI::Range(1, 1000));
+  verb->add_option("--reference", v.reference,
+                   "What errors are measured against: auto (default) or a solver")
+      ->check(CLI::IsMember({"auto", "linear", "events", "quasistatic", "dynamic"}));
+  verb->add_option("--steps", v.ladders.coarsening,
+                   "quasistatic: factors on Strain per step and Error tolerance of the scene "
+                   "(default: 16,8,4,2,1,0.5,0.25)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1e-3, 1e3));
+  verb->add_option("--batches", v.ladders.batches,
+                   "quasistatic: values of Breakage batch (default: 256,64,16,4,1)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1L, 1000000L));
+  verb->add_option("--scalings", v.ladders.scalings,
+                   "dynamic: values of Viscosity scaling (default: 1e-5,3e-5,1e-4,...,1)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(1e-12, 1.0));
+  verb->add_option("--packing", v.packing, "Packing stored by 'mastic pack' for this scene");
+  verb->add_option("-o,--output", v.output, "Folder (default: that of the results, with -study)");
+  verb->add_flag("--quiet", v.quiet, "No progress");
+  add_common(*verb, a);
+  verb->callback([&] {
+    if (a.scene.empty() && !a.hard)
+      throw CLI::RequiredError("scene");
+    action = [&] {
+      a.study.overrides = a.run.overrides;
+      a.run.n_threads = a.study.n_threads;
+      return a.hard ? run_hard_cases(a.scene, a.run) : study_verb(a.scene, a.study);
+    };
+  });
+}
+
 void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
 {
   CLI::App* check = app.add_subcommand("check", "Say everything that is wrong with a scene");
@@ -71,7 +124,8 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
 
   CLI::App* fresh = app.add_subcommand(
       "new", "Print a commented scene with every key, its unit, range and default");
-  fresh->add_option("kind", a.kind, "creep, constant-rate, history, network, dynamic or study");
+  fresh->add_option("kind", a.kind,
+                    "creep, constant-rate, history, cycles, network, dynamic or study");
   fresh->callback([&] { action = [&] { return new_verb(a.kind); }; });
 
   CLI::App* plot =
@@ -83,7 +137,9 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   CLI::App* table =
       app.add_subcommand("export", "Print a table of a result as CSV, full precision");
   table->add_option("result", a.result, "Result folder or result.h5")->required();
-  table->add_option("table", a.table, "history, breakages, particles, bonds or complex_modulus")
+  table
+      ->add_option("table", a.table,
+                   "history, breakages, cycles, particles, bonds or complex_modulus")
       ->required();
   table->add_option("--time", a.time, "Time of the snapshot, such as '100 s' (default: the last)");
   table->callback([&] { action = [&] { return export_verb(a.result, a.table, a.time); }; });
@@ -92,25 +148,6 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   info->add_option("result", a.result, "Result folder, result.h5, packing or checkpoint")
       ->required();
   info->callback([&] { action = [&] { return info_verb(a.result); }; });
-}
-
-void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
-{
-  CLI::App* verb = app.add_subcommand("study", "Run the hard cases and say which are met");
-  verb->add_option("scene", a.scene,
-                   "With --hard: folder of scenes with expectations (default: "
-                   "those that come with the program)");
-  verb->add_flag("--hard", a.hard, "The hard cases: scenes that say what they expect");
-  verb->add_option("--threads", a.run.n_threads, "Threads of the explicit solver (default: 1)")
-      ->check(CLI::Range(1, 1024));
-  add_common(*verb, a);
-  verb->callback([&, verb] {
-    if (verb->count("--threads") == 0)
-      a.run.n_threads = 1;
-    if (!a.hard)
-      throw CLI::ValidationError("study needs --hard");
-    action = [&] { return run_hard_cases(a.scene, a.run); };
-  });
 }
 
 /// What is wrong if the first word is no verb: CLI11 would say that one is missing.
@@ -166,8 +203,8 @@ int main(int argc, char** argv)
   arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::function<int()> action;
   add_run(app, arguments, action);
-  add_others(app, arguments, action);
   add_study(app, arguments, action);
+  add_others(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);
     return exit_input;

@@ -15,17 +15,13 @@ namespace {
 /// Debian's own Python: another one that comes first on the path lacks Matplotlib.
 constexpr const char* python = "/usr/bin/python3";
 
-} // namespace
-
-std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& results,
-                                      const std::filesystem::path& folder)
+/// Runs one of the program's scripts; \return the figures that it names.
+std::vector<std::string> draw(const std::string& script, const std::vector<std::string>& arguments)
 {
   Finished finished{"", 127};
   try {
-    std::vector<std::string> command{python, (share_folder() / "plot.py").string(),
-                                     folder.string()};
-    for (const std::filesystem::path& each : results)
-      command.push_back(each.string());
+    std::vector<std::string> command{python, (share_folder() / script).string()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
     finished = run_to_end(command);
   } catch (const std::runtime_error& problem) {
     finished.output = problem.what();
@@ -39,6 +35,22 @@ std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& 
     if (line.ends_with(".png")) // Python's own warnings come in the same pipe
       figures.push_back(line);
   return figures;
+}
+
+} // namespace
+
+std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& results,
+                                      const std::filesystem::path& folder)
+{
+  std::vector<std::string> arguments{folder.string()};
+  for (const std::filesystem::path& each : results)
+    arguments.push_back(each.string());
+  return draw("plot.py", arguments);
+}
+
+std::vector<std::string> make_study_figure(const std::filesystem::path& folder)
+{
+  return draw("work_precision.py", {folder.string()});
 }
 
 } // namespace apps

@@ -11,4 +11,7 @@ namespace apps {
 std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& results,
                                       const std::filesystem::path& folder);
 
+/// Draws the figure of a study of solvers from the study.csv in its folder. \return the same
+std::vector<std::string> make_study_figure(const std::filesystem::path& folder);
+
 } // namespace apps

@@ -108,7 +108,8 @@ def wide_times(results):
 def draw_response(results, key, folder):
     """Strain or displacement against time; beside it against log time, or the stress."""
     kind, log = results[0].kind, wide_times(results)
-    history = not log and all(r.test.endswith("history") for r in results)
+    history = not log and all(
+        r.follows_stress or r.test == "strain history" for r in results)
     sheet = Sheet(results, (1, 1) if log or history else (1,))
     for r in results:
         for axes in sheet.panels[:1 + log]:
@@ -186,10 +187,9 @@ def draw_stress_strain(results, key, folder):
         k, falls = peak(r.stress)
         x, y = r.strain[k], factor * r.stress[k]
         text = f"{'peak' if falls and r in ramps else 'largest'} {y:.3g} {unit} at {x:.3g} %"
-        controlled = r.test == "stress history"
         sheet.panels[0].plot(r.strain, factor * r.stress, **r.look,
-                             label=r.legend("" if controlled else text))
-        if not controlled:
+                             label=r.legend("" if r.follows_stress else text))
+        if not r.follows_stress:
             sheet.mark(x, y, "o", r, falls)
         if r in ramps and not falls:
             note = f"Open circle: largest stress so far; no fall by {100 * FALL:g} % follows it."
@@ -213,6 +213,28 @@ def draw_exponents(sheet, rates, stresses, law, unit):
               label=f"law of the strengths, {law}")
     axes.legend(loc="lower right")
     sheet.label(1, "Strain rate [1/s]", f"Largest stress [{unit}]", "xy")
+
+
+def draw_cycles(results, key, folder):
+    """Permanent strain against the number of cycles, and its rate, with flow numbers."""
+    sheet, note = Sheet(results, (1, 1)), ""
+    for r in results:
+        cycle, strain = r.cycles["cycle"], r.cycles["permanent_strain_percent"]
+        number, rate = smoothed_rate(cycle, strain * np.sign(strain[-1]))
+        k = flow_time(rate)
+        text = f"flow number {number[k]:.0f}" if k is not None else "no flow number"
+        sheet.panels[0].plot(cycle, strain, **r.look, label=r.legend(text))
+        sheet.panels[1].plot(number, np.where(rate > 0, rate, np.nan), **r.look)
+        if k is not None:
+            sheet.mark(number[k], np.interp(number[k], cycle, strain), "o", r)
+            sheet.mark(number[k], rate[k], "o", r, panel=1)
+            note = (" Circle: flow number, the least rate; a rise of more than 10 % and of more "
+                    "than noise follows.")
+    sheet.label(0, "Cycle", "Permanent strain [%], compression positive")
+    sheet.label(1, "Cycle", "Rate of permanent strain [% per cycle]", "xy")
+    sheet.save(folder / "permanent_strain.png", key,
+               "Permanent strain: at the end of the cycle. Rate: slope of chords over centred "
+               f"windows of {WINDOW:g} decades of cycles, narrower at the end.{note}")
 
 
 def draw_compliance(results, key, folder):
@@ -250,6 +272,7 @@ def figures(results):
     linear = [r for r in platen if r.about["solver"] == "linear"]
     yield draw_breakages, [r for r in results if len(r.breakages["time_s"])]
     yield draw_stress_strain, [r for r in platen if not r.creeps]
+    yield draw_cycles, [r for r in platen if len(r.cycles.get("cycle", ())) > 1]
     yield draw_compliance, [r for r in linear if r.test == "creep"]
     yield draw_modulus, [r for r in linear if r.modulus]
 

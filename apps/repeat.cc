@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 /// The scene of the second run, with full names of its files, written beside its results.
 fs::path write_scene(const LoadedScene& scene, const fs::path& folder)
 {
-  const Repetition& repeat = scene.scene->repeat;
+  const RepeatedRun& repeat = scene.scene->repeat;
   const std::string text = scene.schema->print(false), name = "repeat.scene";
   const auto loaded = [&](const std::vector<std::string>& settings) {
     return repeat.scene.empty() ? load_scene_text(text, name, scene.folder, settings)
@@ -202,7 +202,7 @@ private:
   }
 
   const RunInProgress& run_;
-  const Repetition& repeat_;
+  const RepeatedRun& repeat_;
   Factors factors_;
   dem::Hdf5File file_;
   std::vector<Check> checks_;
@@ -213,7 +213,7 @@ private:
 std::vector<Check> check_repetition(const RunInProgress& run, const fs::path& results,
                                     const RunOptions& options)
 {
-  const Repetition& repeat = run.scene.scene->repeat;
+  const RepeatedRun& repeat = run.scene.scene->repeat;
   const fs::path folder = absolute_folder(results) / "repeat";
   const long n_threads = repeat.n_threads > 0 ? repeat.n_threads : options.n_threads;
   const std::vector<std::string> command{own_executable().string(),

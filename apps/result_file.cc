@@ -1,4 +1,6 @@
+#include "apps/cycles.h"
 #include "apps/files.h"
+#include "apps/machine.h"
 #include "apps/paraview.h"
 #include "apps/run.h"
 #include "dem/linear.h"
@@ -26,17 +28,20 @@ void write_columns(dem::Hdf5File& file, const std::string& group,
   file.set_attribute(group, "columns", names); // HDF5 sorts its members
 }
 
-/// |E*| and phase angle over frequency, from the same elastic solution.
+/// |E*| and phase angle over frequency, from the elastic solution of the run.
 std::vector<Column> modulus_columns(const RunInProgress& r)
 {
-  const dem::LinearModel model = dem::make_linear_model(r.specimen.assembly);
+  const dem::Assembly& assembly = r.specimen.assembly;
+  const dem::CreepLaw law = dem::proportional_laws(assembly.laws).value().creep;
+  const dem::CreepLaw creep = dem::network_creep(law).law;
+  const double elastic = r.record.history.back().compliance * assembly.area / assembly.gauge_length;
   std::vector<Column> columns{{"frequency_Hz", "Hz", {}},
                               {"complex_modulus_MPa", "MPa", {}},
                               {"phase_angle_degrees", "degree", {}},
                               {"storage_modulus_MPa", "MPa", {}},
                               {"loss_modulus_MPa", "MPa", {}}};
   for (const double f : r.scene.scene->output.frequencies) {
-    const std::complex<double> e = dem::complex_modulus(model, 2 * std::numbers::pi * f);
+    const std::complex<double> e = dem::complex_modulus(creep, elastic, 2 * std::numbers::pi * f);
     const double row[] = {f, std::abs(e) / 1e6, std::arg(e) * 180 / std::numbers::pi,
                           e.real() / 1e6, e.imag() / 1e6};
     for (std::size_t k = 0; k < columns.size(); ++k)
@@ -63,6 +68,14 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
   file.set_attribute("", "end", name_of(r.run->end()));
   file.set_attribute("", "end_reason", r.run->end_reason());
   file.set_attribute("", "wall_time_s", wall_time);
+  file.set_attribute("", "control",
+                     std::string(r.loading.control == dem::Loading::Control::displacement
+                                     ? "displacement"
+                                     : "force"));
+  file.set_attribute("", "machine", machine_name());
+  file.set_attribute("", "bonds", double(r.specimen.assembly.bonds.size()));
+  for (const auto& [what, count] : r.run->counts())
+    file.set_attribute("", what, count);
   file.set_attribute("", "threads", r.n_threads);
   file.set_attribute("", "packing_seed", double(r.scene.scene->specimen.seed));
   file.set_attribute("", "strength_seed", double(r.scene.scene->strength.seed));
@@ -98,6 +111,11 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
     const std::vector<Column> modulus = modulus_columns(r);
     write_columns(file, "complex_modulus", modulus);
     write_text_file(folder / "complex_modulus.csv", csv(modulus));
+  }
+  if (cyclic_load(*r.scene.scene, 1)) {
+    const std::vector<Column> cycles = cycle_columns(*r.scene.scene, r.record);
+    write_columns(file, "cycles", cycles);
+    write_text_file(folder / "cycles.csv", csv(cycles));
   }
   file.publish();
   write_text_file(folder / "history.csv", csv(history));

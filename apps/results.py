@@ -9,6 +9,9 @@ from curves import event_order
 
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"]
 
+CYCLIC = {"haversine": "Loading/Peak stress", "block pulses": "Loading/Peak stress",
+          "sine": "Loading/Stress amplitude"}  # tests, and what they prescribe
+
 Kind = namedtuple("Kind", "name column axis rate_axis factor")
 STRAIN = Kind("strain", "axial_strain_percent", "Axial strain [%], compression positive",
               "Strain rate [1/s]", 0.01)
@@ -52,9 +55,9 @@ class Result:
         if self.about.get("kind") != "result":
             raise KeyError("result.h5 is of another kind")
         self.scene = scene_values(bytes(file["scene/resolved"][()]).decode())
-        self.history, self.breakages, self.modulus = (
+        self.history, self.breakages, self.modulus, self.cycles = (
             {name: column[()] for name, column in file.get(table, {}).items()}
-            for table in ("history", "breakages", "complex_modulus"))
+            for table in ("history", "breakages", "complex_modulus", "cycles"))
         self.n_particles, self.n_bonds = len(file["packing/radius"]), len(file["bonds/id"])
         self.time, self.end = self.history["time_s"], self.history["time_s"][-1]
         times = self.breakages["time_s"]
@@ -62,6 +65,7 @@ class Result:
         self.strain, self.stress = (self.history.get(f"axial_{name}")
                                     for name in ("strain_percent", "stress_kPa"))
         self.test = self.scene["Loading/Test"]
+        self.follows_stress = self.test in ("stress history", *CYCLIC)
         self.creeps = self.test in ("creep", "particle loads")
         self.kind = DISPLACEMENT if self.strain is None else STRAIN
         self.first_time = self.time[self.time > 0].min(initial=np.inf)
@@ -123,10 +127,11 @@ def provenance(results):
     """Lines of small print: what was simulated, how, and on which estimates it rests."""
     estimates = dict.fromkeys(name for r in results if r.about["estimated_values"] != "none"
                               for name in r.about["estimated_values"].split(", "))
-    loads = {"creep": "Loading/Axial stress", "constant rate": "Loading/Strain rate"}
+    loads = {"creep": "Loading/Axial stress", "constant rate": "Loading/Strain rate", **CYCLIC}
     facts = [joined(f(r) for r in results) for f in (
         lambda r: r.folder.name, lambda r: r.test, lambda r: r.scene.get(loads.get(r.test), ""),
-        lambda r: r.scene["Temperature/Temperature"].replace("degC", "\u00b0C"),
+        lambda r: (r.scene.get("Temperature/Temperature history") or r.scene[
+            "Temperature/Temperature"]).replace("degC", "\u00b0C"),
         lambda r: f"solver {r.about['solver']}",
         lambda r: f"{r.n_particles} particles, {r.n_bonds} bonds", seeds,
         lambda r: f"{r.about['program']} ({r.about['revision']})")]

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -258,8 +259,15 @@ void start_run(RunInProgress& r, const RunOptions& options)
   r.loading = make_loading(scene, r.specimen.assembly);
   if (r.decision.reason.empty())
     r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
+  if (has_temperature_history(scene) && r.decision.solver != SolverChoice::quasistatic)
+    throw std::invalid_argument(fmt::format("Solver = {} takes no Temperature history; use "
+                                            "quasistatic",
+                                            name_of(r.decision.solver)));
   r.n_threads = useful_threads(r.specimen.assembly, options.n_threads);
+  const auto start = std::chrono::steady_clock::now(); // the first factorisation is work, too
   r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, r.n_threads);
+  r.wall_time_before =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   say(r,
       fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
                   r.specimen.assembly.bonds.size(), name_of(r.decision.solver), r.decision.reason));

@@ -41,7 +41,7 @@ struct RunInProgress {
   RunRecord record;
   std::size_t n_recorded = 0;    ///< times of history and snapshots that are done
   std::string files_fingerprint; ///< of the particle and bond files, when they were read
-  double wall_time_before = 0;   ///< of earlier parts of an interrupted run [s]
+  double wall_time_before = 0; ///< of the solver's preparation and of earlier parts of the run [s]
   int n_threads = 1;
   std::vector<std::string> log; ///< what was said
 };

@@ -1,5 +1,6 @@
 #include "apps/scene.h"
 
+#include "apps/loading_keys.h"
 #include "apps/text.h"
 
 #include <fmt/format.h>
@@ -149,6 +150,9 @@ void declare_temperature(Schema& s, Scene::Temperature& v)
 {
   s.section("Temperature", "Shift of all viscosities with temperature.");
   s.quantity("Temperature", v.temperature, "degC", "20 degC", above(-273.15), "Of the test.");
+  s.pairs("Temperature history", v.history, "s", "degC", "",
+          "Instead of Temperature: 'time: temperature' in order, linear between the points, the "
+          "same time twice makes a jump; the last one holds on (solver quasistatic).");
   s.quantity("Reference temperature", v.reference, "degC", "20 degC", above(-273.15),
              "For which the bond laws hold as they are.");
   s.choice<ShiftKind>(
@@ -198,36 +202,6 @@ void declare_strength(Schema& s, Scene::Strength& v)
              "The strain rate never counts as less.");
 }
 
-void declare_loading(Schema& s, Scene::Load& v)
-{
-  s.section("Loading", "The test. Compression is positive.");
-  s.choice<TestKind>("Test", v.test,
-                     {{"creep", TestKind::creep},
-                      {"constant rate", TestKind::constant_rate},
-                      {"stress history", TestKind::stress_history},
-                      {"strain history", TestKind::strain_history},
-                      {"particle loads", TestKind::particle_loads}},
-                     "creep",
-                     "creep: Axial stress from time 0. constant rate: Strain rate. Histories: "
-                     "piecewise linear. particle loads: those of the particle file, from time 0.");
-  s.quantity("Axial stress", v.stress, "kPa", "400 kPa", any(), "For creep.");
-  s.flag("True stress", v.true_stress, "false",
-         "Creep and stress history: stress on the present area (of a specimen that keeps its "
-         "volume) instead of the initial one.");
-  s.optional_quantity("Release time", v.release_time, "never", "s", "never", above(0),
-                      "For creep: the stress goes to 0 and the specimen recovers.");
-  s.quantity("Strain rate", v.strain_rate, "1/s", "0.005 1/s", any(), "For constant rate.");
-  s.quantity("End time", v.end_time, "s", "2000 s", at_least(0), "Of creep and particle loads.");
-  s.optional_quantity("End strain", v.end_strain, "none", "%", "5 %", above(0),
-                      "Of constant rate.");
-  s.quantity("Strain limit", v.strain_limit, "%", "10 %", above(0),
-             "The run ends when the specimen has strained so much in either direction.");
-  s.pairs("Stress history", v.stress_history, "s", "kPa", "",
-          "'time: stress' in order; the same time twice makes a jump.");
-  s.pairs("Strain history", v.strain_history, "s", "%", "",
-          "'time: strain' in order; the same time twice makes a jump.");
-}
-
 void declare_quasistatic(Schema& s, dem::QuasistaticSettings& v)
 {
   s.section("Quasistatic", "The implicit solver.");
@@ -238,11 +212,12 @@ void declare_quasistatic(Schema& s, dem::QuasistaticSettings& v)
   s.integer("Breakage batch", v.breakage_batch, "16", at_least(1),
             "Bonds that may break before equilibrium is sought again; 1: one after the other, each "
             "at its time.");
-  s.number("Residual tolerance", v.residual_tolerance, "1e-7", Bounds{0, 1e-2, false, true},
+  s.number("Residual tolerance", v.residual_tolerance, "1e-5", Bounds{0, 1e-2, false, true},
            "Force out of balance, over the largest force between two particles.");
-  s.number("Regularisation", v.regularisation, "1e-6", Bounds{0, 1, false, true},
-           "Viscous hold of particles that hang loose, over the stiffness of a bond; its share of "
-           "the energy is reported.");
+  s.number("Regularisation", v.regularisation, "1e-3", Bounds{0, 1, false, true},
+           "Viscous resistance of contacts to sliding and rolling within a step, over their "
+           "stiffness, so that particles that hang loose do not drift; its share of the energy is "
+           "reported.");
   s.choice<dem::Geometry>("Geometry", v.geometry,
                           {{"finite", dem::Geometry::finite}, {"small", dem::Geometry::small}},
                           "finite",
@@ -276,7 +251,9 @@ void declare_output(Schema& s, Scene::Output& v)
 {
   s.section("Output", "What is written, and where.");
   s.words("Folder", v.folder, "", "For the results; empty: results/NAME-OF-THE-SCENE.");
-  s.integer("History times", v.n_times, "200", between(1, 1000000), "Rows of the history.");
+  s.integer("History times", v.n_times, "200", between(1, 1000000),
+            "Rows of the history; of haversine, block pulses and sine: cycles that are recorded "
+            "(if there are more, in steps that grow).");
   s.choice<TimeSpacing>("Spacing", v.spacing,
                         {{"auto", TimeSpacing::automatic},
                          {"linear", TimeSpacing::linear},

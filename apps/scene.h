@@ -22,7 +22,16 @@ enum class SpecimenSource { generate, file };
 enum class BondRule { mean_contacts, gap };
 enum class BondPreset { estimate, none };
 enum class StrengthKind { none, normal, weibull };
-enum class TestKind { creep, constant_rate, stress_history, strain_history, particle_loads };
+enum class TestKind {
+  creep,
+  constant_rate,
+  stress_history,
+  strain_history,
+  haversine,
+  block_pulses,
+  sine,
+  particle_loads
+};
 enum class TimeSpacing { automatic, linear, logarithmic };
 enum class ShiftKind { none, wlf, arrhenius };
 
@@ -69,7 +78,8 @@ struct Scene {
   double friction;
 
   struct Temperature {
-    double temperature, reference; ///< [K]
+    double temperature, reference;                  ///< [K]
+    std::vector<std::pair<double, double>> history; ///< time [s], temperature [K]; empty: constant
     ShiftKind shift;
     double wlf_c1, wlf_c2;    ///< [-], [K]
     double activation_energy; ///< [J/mol]
@@ -95,6 +105,13 @@ struct Scene {
     std::optional<double> end_strain;   ///< [-]
     double strain_limit;                ///< [-]
     std::vector<std::pair<double, double>> stress_history, strain_history;
+    double peak_stress;                   ///< of pulses, compression positive [Pa]
+    double contact_share;                 ///< stress between pulses over the peak [-]
+    double loading_time, rest_time;       ///< of each pulse [s]
+    double mean_stress, stress_amplitude; ///< of a sine, compression positive [Pa]
+    double frequency;                     ///< of a sine [Hz]
+    long n_cycles, points_per_pulse;
+    double confining_stress; ///< on the lateral surface [Pa]
   } load;
 
   dem::QuasistaticSettings quasistatic;
@@ -118,7 +135,7 @@ struct Scene {
   } study;
 
   Expectations expect;
-  Repetition repeat;
+  RepeatedRun repeat;
 };
 
 /// Declares all keys of a scene and binds them to its members.

@@ -1,5 +1,6 @@
 #include "apps/scene.h"
 
+#include "apps/cycles.h"
 #include "apps/specimen.h"
 #include "apps/text.h"
 
@@ -132,6 +133,11 @@ void check_laws(const Scene& scene, Findings& findings)
     findings.error("Temperature/Temperature", problem.what());
   }
   try {
+    make_reduced_time(scene);
+  } catch (const std::invalid_argument& problem) {
+    findings.error("Temperature/Temperature history", problem.what());
+  }
+  try {
     const std::vector<dem::BondLaw> laws = bond_laws(scene, shift);
     if ((scene.solver == SolverChoice::linear || scene.solver == SolverChoice::events) &&
         !dem::proportional_laws(laws))
@@ -172,6 +178,40 @@ void check_history(const std::vector<std::pair<double, double>>& history, const 
   }
 }
 
+void check_cycles(const Scene::Load& v, const dem::CyclicLoad& load, Findings& findings)
+{
+  const bool is_sine = v.test == TestKind::sine, is_block = v.test == TestKind::block_pulses;
+  if (load.amplitude == 0)
+    findings.error(is_sine ? "Loading/Stress amplitude" : "Loading/Peak stress",
+                   "pulses of 0 lead nowhere");
+  if (is_block && load.rest_time == 0)
+    findings.error("Loading/Rest time", "block pulses without a rest are one pulse");
+  if (!is_block && load.n_intervals % 4 != 0)
+    findings.error("Loading/Points per pulse", "must be a multiple of 4");
+  constexpr double most_points = 1e7;
+  if (const double n = double(load.n_cycles) * double(load.n_intervals); n > most_points)
+    findings.error("Loading/Cycles",
+                   fmt::format("{} cycles of {} points make {:.2g} points in time, more than {:g}",
+                               load.n_cycles, load.n_intervals, n, most_points));
+}
+
+/// The resilient strain of a cycle cancels out of its mean rate over whole cycles only.
+void check_rate_window(const Scene& scene, const dem::CyclicLoad& load, Findings& findings)
+{
+  const dem::RateLaw& law = scene.strength.rate_law;
+  if (scene.strength.kind == StrengthKind::none || law.exponent == 0)
+    return;
+  const double cycle = dem::period(load), n_cycles = law.window / cycle;
+  const double longest = law.window_fraction * dem::cycle_end(load, load.n_cycles);
+  if (n_cycles < 0.5 || std::abs(n_cycles - std::round(n_cycles)) > 1e-9 || longest > law.window)
+    findings.tell(Diagnostic::Kind::warning, "Strength/Rate window",
+                  fmt::format("the strain rate that counts for the strengths is averaged over a "
+                              "time that is not a whole number of cycles, so that resilient "
+                              "strain counts, too; Rate window = {:g} s with Rate window fraction "
+                              "= 0 leaves the permanent one",
+                              cycle));
+}
+
 void check_loading(const Scene& scene, Findings& findings)
 {
   const Scene::Load& v = scene.load;
@@ -187,8 +227,15 @@ void check_loading(const Scene& scene, Findings& findings)
     findings.error("Loading/Release time", "must come before the End time");
   if (v.test == TestKind::particle_loads && scene.specimen.source != SpecimenSource::file)
     findings.error("Loading/Test", "particle loads come from a particle file: Source = file");
-  if (v.true_stress && v.test != TestKind::creep && v.test != TestKind::stress_history)
-    findings.error("Loading/True stress", "goes with creep and stress history only");
+  if (v.true_stress && (v.test == TestKind::constant_rate || v.test == TestKind::strain_history ||
+                        v.test == TestKind::particle_loads))
+    findings.error("Loading/True stress", "goes with tests at prescribed stress only");
+  if (v.confining_stress > 0 && v.test == TestKind::particle_loads)
+    findings.error("Loading/Confining stress", "needs a specimen between platens");
+  if (const auto cyclic = cyclic_load(scene, 1)) {
+    check_cycles(v, *cyclic, findings);
+    check_rate_window(scene, *cyclic, findings);
+  }
 }
 
 void check_strength(const Scene& scene, Findings& findings)
@@ -200,8 +247,25 @@ void check_strength(const Scene& scene, Findings& findings)
                   "without window and floor the strength falls to 0 as the strain rate does");
 }
 
+void check_temperature(const Scene& scene, Findings& findings)
+{
+  if (!has_temperature_history(scene))
+    return;
+  if (scene.temperature.shift == ShiftKind::none)
+    findings.error("Temperature/Temperature history",
+                   "without a Shift law the temperature has no effect");
+  if (findings.is_set("Temperature/Temperature"))
+    findings.error("Temperature/Temperature", "give either Temperature or Temperature history");
+}
+
 void check_solver(const Scene& scene, Findings& findings)
 {
+  const bool others = scene.solver == SolverChoice::linear ||
+                      scene.solver == SolverChoice::events || scene.solver == SolverChoice::dynamic;
+  if (others && has_temperature_history(scene))
+    findings.error("Solver", "takes no Temperature history; use quasistatic");
+  if (others && scene.load.confining_stress > 0)
+    findings.error("Solver", "takes no Confining stress; use quasistatic");
   if (scene.solver == SolverChoice::linear && scene.load.true_stress)
     findings.error("Solver", "linear takes nominal stress only; use events");
   if (scene.solver == SolverChoice::events && scene.after_breakage == dem::AfterBreakage::friction)
@@ -209,8 +273,11 @@ void check_solver(const Scene& scene, Findings& findings)
 }
 
 /// End of the load history [s].
-double end_time(const Scene::Load& v)
+double end_time(const Scene& scene)
 {
+  const Scene::Load& v = scene.load;
+  if (const auto cyclic = cyclic_load(scene, 1))
+    return dem::cycle_end(*cyclic, cyclic->n_cycles);
   if (v.test == TestKind::constant_rate)
     return v.end_strain.value_or(0) / std::abs(v.strain_rate);
   if (v.test == TestKind::stress_history)
@@ -222,7 +289,7 @@ double end_time(const Scene::Load& v)
 
 void check_output(const Scene& scene, Findings& findings)
 {
-  const double end = end_time(scene.load);
+  const double end = end_time(scene);
   for (const double time : scene.output.snapshot_times)
     if (time > end)
       findings.tell(Diagnostic::Kind::warning, "Output/Snapshot times",
@@ -262,6 +329,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
                                scene.specimen.density));
   check_preset(scene, findings);
   check_strength(scene, findings);
+  check_temperature(scene, findings);
   check_loading(scene, findings);
   check_solver(scene, findings);
   check_output(scene, findings);

@@ -2,6 +2,7 @@
 
 #include "apps/csv_table.h"
 #include "dem/connectivity.h"
+#include "dem/lateral_pressure.h"
 #include "dem/network.h"
 
 #include <fmt/format.h>
@@ -150,6 +151,20 @@ double specimen_diameter(const LoadedScene& loaded, const Packing& packing)
   return *packing.diameter;
 }
 
+/// Constant pressure on the lateral surface between the platens [Pa].
+std::vector<dem::ParticleLoad> confining_loads(const Packing& packing, double radius,
+                                               double pressure)
+{
+  const auto [low, high] = packing.platens;
+  std::vector<dem::ParticleLoad> loads =
+      dem::lateral_pressure(packing.particles, {radius, high - low}, dem::Vec3(0, 0, low));
+  for (dem::ParticleLoad& load : loads) {
+    load.force *= pressure;
+    load.moment *= pressure;
+  }
+  return loads;
+}
+
 /// Refuses what cannot carry the load, before a solver finds out in its own words.
 /// \return the particles that nothing holds
 std::vector<dem::Index> loose_particles(const dem::Assembly& assembly)
@@ -176,8 +191,25 @@ std::vector<dem::Index> loose_particles(const dem::Assembly& assembly)
 
 } // namespace
 
+bool has_temperature_history(const Scene& scene)
+{
+  return !scene.temperature.history.empty();
+}
+
+std::optional<dem::ReducedTime> make_reduced_time(const Scene& scene)
+{
+  if (!has_temperature_history(scene))
+    return std::nullopt;
+  std::vector<dem::TemperaturePoint> points;
+  for (const auto& [time, temperature] : scene.temperature.history)
+    points.push_back({time, temperature});
+  return dem::make_reduced_time(points, temperature_shift(scene.temperature));
+}
+
 double viscosity_shift(const Scene& scene)
 {
+  if (has_temperature_history(scene))
+    return 1;
   return dem::shift_factor(temperature_shift(scene.temperature), scene.temperature.temperature);
 }
 
@@ -259,6 +291,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
   }
   const double diameter = specimen_diameter(loaded, packing);
   assembly.area = std::numbers::pi * diameter * diameter / 4;
+  if (scene.load.confining_stress > 0)
+    assembly.confinement = confining_loads(packing, diameter / 2, scene.load.confining_stress);
   assembly.gauge_length = v.gauge_length.value_or(packing.platens.high - packing.platens.low);
   dem::validate(assembly);
   specimen.loose = loose_particles(assembly);

@@ -2,6 +2,7 @@
 #include "apps/scene.h"
 #include "dem/assembly.h"
 #include "dem/packing.h"
+#include "dem/reduced_time.h"
 
 #include <filesystem>
 #include <optional>
@@ -41,7 +42,15 @@ void write_packing(const std::filesystem::path& file, const Packing& packing,
 /// another
 Packing read_packing(const std::filesystem::path& file, const std::optional<std::string>& recipe);
 
-/// Factor a_T on all viscosities at the temperature of the test.
+/// Whether the temperature changes during the test.
+bool has_temperature_history(const Scene& scene);
+
+/// Reduced time of a test whose temperature changes, for bond laws at the reference temperature;
+/// nothing for others.
+/// \throws std::invalid_argument if the history cannot be, or the shift law does not reach there
+std::optional<dem::ReducedTime> make_reduced_time(const Scene& scene);
+
+/// Factor a_T on all viscosities at the temperature of the test; 1 if the temperature changes.
 /// \throws std::invalid_argument if the shift law does not reach there
 double viscosity_shift(const Scene& scene);
 

@@ -1,33 +1,23 @@
 #include "apps/specimen_run.h"
 
+#include "apps/equations_text.h"
 #include "apps/linear_run.h"
+#include "apps/quasistatic_run.h"
+#include "apps/specimen.h"
+#include "apps/stopwatch.h"
 #include "dem/dynamics.h"
 #include "dem/events.h"
 #include "dem/storage.h"
 
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace apps {
 
 namespace {
-
-/// Wall time that `work_towards` may take before it comes back [s].
-constexpr double work_slice = 0.1;
-
-class Stopwatch {
-public:
-  double seconds() const
-  {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
-private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 class EventsRun : public SpecimenRun {
 public:
@@ -38,7 +28,7 @@ public:
   void work_towards(double time) override
   {
     const Stopwatch watch;
-    while (!ended() && !reached(time) && watch.seconds() < work_slice)
+    for (; !ended() && !reached(time) && watch.seconds() < work_slice; ++n_steps_)
       state_ = solver_.step(std::move(state_));
   }
   bool reached(double time) const override { return solver_.next_change(state_) > time; }
@@ -63,10 +53,17 @@ public:
   std::string statistics() const override
   {
     const auto& s = solver_.network_solver().statistics();
-    return fmt::format("{} unknowns, {} nonzeros in the factor, {} factorisations, {} updates by a "
-                       "broken bond or opened contact, energy in regularising springs {:.1e}",
-                       model_.network.n_dofs, s.n_factor_nonzeros, s.n_factorisations, s.n_updates,
-                       state_.largest_ground_share);
+    return fmt::format("{}, {} updates by a broken bond or opened contact, energy in regularising "
+                       "springs {:.1e}",
+                       equations_text(model_.network, s), s.n_updates, state_.largest_ground_share);
+  }
+  Counts counts() const override
+  {
+    const auto& s = solver_.network_solver().statistics();
+    return {{"unknowns", double(model_.network.n_dofs)},
+            {"steps", double(n_steps_)},
+            {"solves", double(s.n_factorisations + s.n_updates + s.n_refinements)},
+            {"factorisations", double(s.n_factorisations)}};
   }
   bool work_is_even_in_time() const override { return false; }
 
@@ -74,6 +71,7 @@ private:
   dem::EventsModel model_;
   dem::EventsSolver solver_;
   dem::EventsState state_;
+  long n_steps_ = 0; ///< changes followed, since the start or the last resumption
 };
 
 class DynamicRun : public SpecimenRun {
@@ -137,6 +135,14 @@ public:
                        "ramp {:.3g} s (real {:.3g} s)",
                        state_.n_steps, model_.time_step, model_.axial_period, model_.ramp_time,
                        model_.ramp_time / model_.settings.viscosity_scaling);
+  }
+  Counts counts() const override
+  {
+    return {
+        {"unknowns", 6.0 * double(std::ranges::count(model_.assembly.support, dem::Support::free))},
+        {"steps", double(state_.n_steps)},
+        {"solves", 0},
+        {"factorisations", 0}};
   }
   bool work_is_even_in_time() const override { return true; }
 
@@ -219,6 +225,15 @@ std::unique_ptr<SpecimenRun> make_run(SolverChoice solver, const Scene& scene,
   if (solver == SolverChoice::events)
     return std::make_unique<EventsRun>(dem::make_events_model(
         assembly, loading, scene.strength.rate_law, scene.after_breakage, scene.load.strain_limit));
+  if (solver == SolverChoice::quasistatic) {
+    dem::QuasistaticSettings settings = scene.quasistatic;
+    settings.after_breakage = scene.after_breakage;
+    settings.friction = scene.friction;
+    return make_quasistatic_run(dem::make_quasistatic_model(assembly, loading,
+                                                            scene.strength.rate_law, settings,
+                                                            scene.load.strain_limit),
+                                n_threads);
+  }
   dem::DynamicSettings settings = scene.dynamic;
   settings.after_breakage = scene.after_breakage;
   settings.friction = scene.friction;

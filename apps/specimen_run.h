@@ -7,9 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace apps {
+
+/// What a solver has done, in numbers: "unknowns", "steps", "solves", "factorisations".
+using Counts = std::vector<std::pair<std::string, double>>;
 
 /// A specimen under load, whatever the solver: advances in time and shows what it does.
 class SpecimenRun {
@@ -41,6 +45,9 @@ public:
 
   /// What the solver did, one line.
   virtual std::string statistics() const = 0;
+
+  /// The same in numbers, for the result file and for studies. Solves: of the network under a load.
+  virtual Counts counts() const { return {}; }
 
   /// Share of the work done when a time of the whole is reached: work is even in time, or in rows
   /// of the history.

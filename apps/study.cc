@@ -1,24 +1,19 @@
 #include "apps/study.h"
 
 #include "apps/checkpoint.h"
+#include "apps/child_run.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
-#include "apps/process.h"
 #include "apps/progress.h"
+#include "apps/study_scene.h"
 #include "apps/text.h"
 #include "dem/hdf5_file.h"
 
 #include <fmt/format.h>
 
-#include <poll.h>
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <stdexcept>
 
@@ -27,16 +22,11 @@ namespace apps {
 namespace {
 
 constexpr const char* study_scene = "study.scene";
-constexpr const char* packing_file = "packing.h5";
 
-/// A run that is going on, and what it has said so far.
+/// A run that is going on.
 struct Active {
   StudyRun run;
-  Child child;
-  std::string unread; ///< the beginning of a line
-  std::string log;
-  double fraction = 0;
-  std::string state;
+  ChildRun child;
 };
 
 bool has_result(const std::filesystem::path& folder)
@@ -46,33 +36,6 @@ bool has_result(const std::filesystem::path& folder)
   } catch (const std::runtime_error&) {
     return false;
   }
-}
-
-/// A value as the name of a folder: "400 kPa" is "400-kPa".
-std::string as_folder_name(const std::string& value)
-{
-  std::string name;
-  for (const char c : value)
-    name += std::isalnum(static_cast<unsigned char>(c)) || c == '.' ? c : '-';
-  const bool plain = !name.empty() && std::isalnum(static_cast<unsigned char>(name.front()));
-  return plain ? name : "run" + name; // no hidden folders, none that looks like an option
-}
-
-/// The scene of one run: nothing of the study is left in it, and its files have full names.
-LoadedScene scene_of(const LoadedScene& study, const StudyRun& run,
-                     const std::filesystem::path& folder)
-{
-  std::vector<std::string> settings{run.override_text, "Study/Vary =", "Study/Values =",
-                                    "Output/Folder = " +
-                                        absolute_folder(folder / run.name).string()};
-  const std::string text = study.schema->print(false), name = run.name + ".scene";
-  const LoadedScene varied = load_scene_text(text, name, study.folder, settings);
-  const auto full_name = [&](const std::string& file) {
-    return file.empty() ? "" : (absolute_folder(study.folder) / file).string();
-  };
-  settings.push_back("Specimen/File = " + full_name(varied.scene->specimen.file));
-  settings.push_back("Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file));
-  return load_scene_text(text, name, study.folder, settings);
 }
 
 /// What all runs of a study have in common.
@@ -89,8 +52,7 @@ std::vector<std::string> command_for(const StudyRun& run, const LoadedScene& sce
                                      const Setting& setting)
 {
   const std::filesystem::path own = setting.folder / run.name;
-  std::vector<std::string> command{own_executable().string(), "run", "--report", "--threads",
-                                   std::to_string(setting.n_threads)};
+  std::vector<std::string> command = run_command(setting.n_threads);
   if (setting.resume && has_checkpoint(own)) {
     command.insert(command.end(), {"--resume", checkpoint_file(own).string()});
     for (const std::string& each : setting.overrides)
@@ -106,28 +68,6 @@ std::vector<std::string> command_for(const StudyRun& run, const LoadedScene& sce
   return command;
 }
 
-/// Takes in what a child has written; \return false when it has ended.
-bool listen(Active& active)
-{
-  char buffer[4096];
-  const ssize_t n = ::read(active.child.output, buffer, sizeof buffer);
-  if (n < 0 && errno == EINTR)
-    return true;
-  if (n <= 0)
-    return false;
-  active.unread.append(buffer, std::size_t(n));
-  for (std::size_t end; (end = active.unread.find('\n')) != std::string::npos;) {
-    const std::string line = active.unread.substr(0, end);
-    active.unread.erase(0, end + 1);
-    if (line.starts_with("progress ")) {
-      active.fraction = std::atof(line.c_str() + 9);
-      active.state = line.substr(std::min(line.size(), line.find(' ', 9) + 1));
-    } else
-      active.log += line + '\n';
-  }
-  return true;
-}
-
 /// Runs up to n at a time; calls finished(active, exit code) as they end.
 class Pool {
 public:
@@ -141,24 +81,24 @@ public:
 
   void start(const StudyRun& run, const std::vector<std::string>& command)
   {
-    active_.push_back({run, start_child(command), "", "", 0, ""});
+    active_.push_back({run, {start_child(command), "", 0, "", ""}});
   }
   std::size_t n_active() const { return active_.size(); }
 
   void wait_for_room(std::size_t most)
   {
     while (active_.size() > most) {
-      std::vector<pollfd> ready;
+      std::vector<const ChildRun*> children;
       for (const Active& each : active_)
-        ready.push_back({each.child.output, POLLIN, 0});
-      ::poll(ready.data(), ready.size(), 500);
+        children.push_back(&each.child);
+      const std::vector<bool> ready = wait_for_output(children, 500);
       if (interrupted() && !told_children_) {
         for (const Active& each : active_)
-          ::kill(each.child.pid, SIGTERM);
+          stop(each.child);
         told_children_ = true;
       }
       for (std::size_t k = active_.size(); k-- > 0;)
-        if (ready[k].revents != 0 && !listen(active_[k]))
+        if (ready[k] && !listen(active_[k].child))
           finish(k);
       tell();
     }
@@ -168,12 +108,12 @@ private:
   void finish(std::size_t k)
   {
     Active& active = active_[k];
-    const int code = wait_for(active.child);
+    const int code = wait_for(active.child.child);
     exit_codes[active.run.name] = code;
     progress_.finish();
-    fmt::print("{}", active.log);
+    fmt::print("{}", active.child.log);
     std::fflush(stdout);
-    write_text_file(folder_ / active.run.name / "run.log", active.log);
+    write_text_file(folder_ / active.run.name / "run.log", active.child.log);
     active_.erase(active_.begin() + std::ptrdiff_t(k));
   }
 
@@ -182,9 +122,9 @@ private:
     double done = double(exit_codes.size());
     std::string states;
     for (const Active& each : active_) {
-      done += each.fraction;
+      done += each.child.fraction;
       states += fmt::format("{}{}: {}", states.empty() ? "" : "; ", each.run.name,
-                            each.state.empty() ? "begins" : each.state);
+                            each.child.state.empty() ? "begins" : each.child.state);
     }
     progress_.update(done / double(n_runs_), states);
   }
@@ -196,36 +136,6 @@ private:
   std::vector<Active> active_;
   bool told_children_ = false;
 };
-
-/// The packing that all runs share, if they do: the one given, or one in the folder.
-std::optional<std::filesystem::path> prepare_packing(const std::vector<LoadedScene>& scenes,
-                                                     const std::filesystem::path& folder,
-                                                     const RunOptions& options)
-{
-  const std::string recipe = packing_recipe(*scenes.front().scene);
-  const bool shared = std::ranges::all_of(scenes, [&](const LoadedScene& each) {
-    return each.scene->specimen.source == SpecimenSource::generate &&
-           packing_recipe(*each.scene) == recipe;
-  });
-  if (options.packing && !shared)
-    throw std::invalid_argument("--packing: the runs of this study do not share a packing");
-  if (!shared)
-    return std::nullopt;
-  const std::filesystem::path file = options.packing.value_or(folder / packing_file);
-  try {
-    read_packing(file, recipe);
-    fmt::print("packing: {} is up to date\n", file.string());
-  } catch (const std::invalid_argument&) {
-    if (options.packing)
-      throw;
-    fmt::print("packing: {} spheres ...\n", scenes.front().scene->specimen.n_particles);
-    std::fflush(stdout);
-    const Packing packing = make_packing(scenes.front());
-    write_packing(file, packing, recipe);
-    fmt::print("{}", packing_report(*scenes.front().scene, packing));
-  }
-  return file;
-}
 
 /// The exit code of a study from those of its runs; those that did not start count as interrupted.
 int worst_code(const std::vector<StudyRun>& runs, const std::map<std::string, int>& exit_codes)
@@ -301,8 +211,10 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
   fmt::print("{}: study of {} runs, {} at a time\n", scene.name, runs.size(), at_a_time);
   std::vector<LoadedScene> scenes;
   for (const StudyRun& run : runs)
-    scenes.push_back(scene_of(scene, run, folder));
-  const Setting setting{folder, prepare_packing(scenes, folder, options),
+    scenes.push_back(scene_of_run(
+        scene, run.name,
+        {run.override_text, "Output/Folder = " + absolute_folder(folder / run.name).string()}));
+  const Setting setting{folder, shared_packing(scenes, folder, options),
                         std::max(1, options.n_threads / at_a_time), options.overrides, resume};
   Pool pool(folder, runs.size(), options);
   for (std::size_t k = 0; k < runs.size() && !interrupted(); ++k) {

@@ -217,6 +217,9 @@ int new_verb(const std::string& kind)
        {"Title = Stress history", "Loading/Test = stress history",
         "Loading/Stress history = 0 s: 0 kPa, 10 s: 400 kPa, 100 s: 400 kPa, 100 s: 0 kPa, 500 s: "
         "0 kPa"}},
+      {"cycles",
+       {"Title = Haversine pulses with rests", "Loading/Test = haversine",
+        "Strength/Rate window fraction = 0"}},
       {"network",
        {"Title = Network from files", "Specimen/Source = file", "Specimen/File = particles.csv",
         "Specimen/Bond file = bonds.csv", "Loading/Test = particle loads"}},
@@ -262,13 +265,14 @@ int plot_verb(const std::vector<std::string>& results, const std::string& output
 
 int export_verb(const std::string& result, const std::string& table, const std::string& time)
 {
-  const std::vector<std::string> tables{"history", "breakages", "particles", "bonds",
-                                        "complex_modulus"};
+  const std::vector<std::string> tables{"history",   "breakages", "cycles",
+                                        "particles", "bonds",     "complex_modulus"};
   if (std::find(tables.begin(), tables.end(), table) == tables.end()) {
     const std::string close = nearest(table, tables);
-    throw std::invalid_argument(fmt::format(
-        "there is no table '{}'; tables: history, breakages, particles, bonds, complex_modulus{}",
-        table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+    throw std::invalid_argument(
+        fmt::format("there is no table '{}'; tables: history, breakages, cycles, particles, bonds, "
+                    "complex_modulus{}",
+                    table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
   }
   const dem::Hdf5File file = open_stored(result_file(result), "result");
   std::vector<Column> columns;

@@ -53,15 +53,23 @@ void validate(const Assembly& assembly)
   if (!(assembly.area > 0) || !(assembly.gauge_length > 0))
     refuse(fmt::format("area and gauge length must be > 0, found {:g} m^2 and {:g} m",
                        assembly.area, assembly.gauge_length));
-  for (const ParticleLoad& load : assembly.loads) {
-    if (load.particle < 0 || load.particle >= Index(particles.size()))
-      refuse(fmt::format("a load acts on particle {}, which does not exist", load.particle));
-    if (!load.force.allFinite() || !load.moment.allFinite())
-      refuse(fmt::format("the load on particle {} is not a finite number", load.particle));
-  }
+  for (const auto* loads : {&assembly.loads, &assembly.confinement})
+    for (const ParticleLoad& load : *loads) {
+      if (load.particle < 0 || load.particle >= Index(particles.size()))
+        refuse(fmt::format("a load acts on particle {}, which does not exist", load.particle));
+      if (!load.force.allFinite() || !load.moment.allFinite())
+        refuse(fmt::format("the load on particle {} is not a finite number", load.particle));
+    }
   if (!assembly.loads.empty() && std::ranges::count(assembly.support, Support::top) > 0)
     refuse("loads on particles and particles glued to the upper platen exclude each other: hold "
            "them with the lower platen");
+}
+
+void refuse_confinement(const Assembly& assembly, const char* solver)
+{
+  if (!assembly.confinement.empty())
+    throw std::invalid_argument(
+        fmt::format("the solver {} takes no confining stress; use quasistatic", solver));
 }
 
 } // namespace dem

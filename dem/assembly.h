@@ -34,8 +34,11 @@ struct Assembly {
   Bonds bonds;
   std::optional<Strengths> strengths; ///< absent: bonds do not break
   std::vector<ParticleLoad> loads;    ///< empty: the platen is loaded
-  double area;                        ///< nominal cross-section [m^2]
-  double gauge_length;                ///< displacement over strain [m]
+  /// Dead loads, force [N] and moment [N m], that act in full from the first instant on, besides
+  /// the platen's: the pressure on the lateral surface. Empty: none.
+  std::vector<ParticleLoad> confinement;
+  double area;         ///< nominal cross-section [m^2]
+  double gauge_length; ///< displacement over strain [m]
 };
 
 /// True if the load acts through the platen, false if it acts on particles.
@@ -58,5 +61,8 @@ std::vector<Support> platen_supports(const Particles& particles, PlatenHeights p
 /// Checks that everything fits together.
 /// \throws std::invalid_argument naming the particle, bond or number at fault
 void validate(const Assembly& assembly);
+
+/// \throws std::invalid_argument that names the solver if the specimen is confined
+void refuse_confinement(const Assembly& assembly, const char* solver);
 
 } // namespace dem

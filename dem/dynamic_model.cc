@@ -83,6 +83,7 @@ DynamicModel make_dynamic_model(const Assembly& assembly, const Loading& loading
   validate(assembly);
   validate(loading);
   validate(settings);
+  refuse_confinement(assembly, "dynamic");
   if (!loaded_by_platen(assembly) &&
       (loading.control == Loading::Control::displacement || loading.true_stress))
     throw std::invalid_argument("loads on particles have a history of their factor only, no "

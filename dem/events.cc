@@ -88,6 +88,7 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
 {
   validate(assembly);
   validate(loading);
+  refuse_confinement(assembly, "events");
   const std::optional<ProportionalLaws> laws = proportional_laws(assembly.laws);
   if (!laws)
     throw std::invalid_argument("the event solver needs bond laws that are proportional to each "
@@ -107,8 +108,9 @@ EventsModel make_events_model(const Assembly& assembly, const Loading& loading,
           strain_limit};
 }
 
-EventsSolver::EventsSolver(const EventsModel& model)
-    : model_(&model), network_solver_(model.network, undamaged(model.network))
+EventsSolver::EventsSolver(const EventsModel& model, std::size_t most_factored)
+    : model_(&model), most_factored_(most_factored),
+      network_solver_(model.network, undamaged(model.network), most_factored)
 {
   refresh(undamaged(model.network));
 }
@@ -132,7 +134,7 @@ EventsState EventsSolver::start()
 
 void EventsSolver::resume(const EventsState& state)
 {
-  network_solver_ = NetworkSolver(model_->network, state.damage);
+  network_solver_ = NetworkSolver(model_->network, state.damage, most_factored_);
   refresh(state.damage);
   find_breakage(state);
 }

@@ -55,7 +55,9 @@ struct EventsState {
 class EventsSolver {
 public:
   /// The model must outlive the solver.
-  explicit EventsSolver(const EventsModel& model);
+  /// \param most_factored  particles from which on the network is solved by iteration
+  explicit EventsSolver(const EventsModel& model,
+                        std::size_t most_factored = most_factored_particles);
 
   /// The specimen at the first instant, the load applied.
   EventsState start();
@@ -95,6 +97,7 @@ private:
   std::vector<BondChange> contacts_to_open(const EventsState& state, double time) const;
 
   const EventsModel* model_;
+  std::size_t most_factored_;
   NetworkSolver network_solver_;
   Eigen::VectorXd unit_response_; ///< dofs per unit of the load factor
   double compliance_ = 0;         ///< elastic displacement at the load per force [m/N]

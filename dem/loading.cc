@@ -57,35 +57,34 @@ double load_rate(const Loading& loading, double time)
   return (after->value - before.value) / (after->time - before.time);
 }
 
-double load_integral(const Loading& loading, double time)
-{
-  const std::vector<LoadPoint>& points = loading.points;
-  double sum = 0;
-  for (std::size_t k = 0; k < points.size() && points[k].time < time; ++k) {
-    const double end = k + 1 < points.size() ? std::min(time, points[k + 1].time) : time;
-    const double span = end - points[k].time;
-    if (span > 0)
-      sum += span * (points[k].value + 0.5 * span * load_rate(loading, points[k].time));
-  }
-  return sum;
-}
-
 double mean_load(const Loading& loading, double time, double span)
 {
-  return (load_integral(loading, time) - load_integral(loading, time - span)) / span;
+  const std::vector<LoadPoint>& points = loading.points;
+  const auto first = point_after(loading, time - span); // the segment that ends there counts too
+  double sum = 0;
+  for (auto k = first == points.begin() ? first : first - 1; k != points.end(); ++k) {
+    const double begin = std::max(time - span, k->time);
+    const double end = k + 1 != points.end() ? std::min(time, (k + 1)->time) : time;
+    if (k->time >= time)
+      break;
+    if (end > begin)
+      sum += (end - begin) *
+             (load_value(loading, begin) + 0.5 * (end - begin) * load_rate(loading, begin));
+  }
+  return sum / span;
 }
 
 double last_jump(const Loading& loading, double time)
 {
-  double result = -std::numeric_limits<double>::infinity();
-  double before = 0;
-  for (std::size_t k = 0; k < loading.points.size() && loading.points[k].time <= time; ++k) {
-    const bool at_once = k == 0 || loading.points[k].time == loading.points[k - 1].time;
-    if (at_once && loading.points[k].value != before)
-      result = loading.points[k].time;
-    before = loading.points[k].value;
+  const std::vector<LoadPoint>& points = loading.points;
+  for (auto k = point_after(loading, time); k != points.begin();) {
+    --k;
+    const bool at_once = k == points.begin() || k->time == (k - 1)->time;
+    const double before = k == points.begin() ? 0 : (k - 1)->value;
+    if (at_once && k->value != before)
+      return k->time;
   }
-  return result;
+  return -std::numeric_limits<double>::infinity();
 }
 
 double next_breakpoint(const Loading& loading, double time)

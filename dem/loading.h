@@ -36,9 +36,6 @@ double load_value(const Loading& loading, double time);
 /// Slope [1/s] just after a time.
 double load_rate(const Loading& loading, double time);
 
-/// Integral of the value from the first point to a time; 0 before.
-double load_integral(const Loading& loading, double time);
-
 /// Mean value over the time span that ends at a time; the load is 0 before its first point.
 double mean_load(const Loading& loading, double time, double span);
 

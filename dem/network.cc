@@ -46,8 +46,10 @@ BondDeformation relative_motion(const ElasticNetwork::Bond& bond, const Particle
 ElasticNetwork make_network(const Assembly& assembly)
 {
   ElasticNetwork network;
+  network.bonds.reserve(assembly.bonds.size());
   for (std::size_t b = 0; b < assembly.bonds.size(); ++b)
     network.bonds.push_back(network_bond(assembly, b));
+  network.centre = assembly.particles.centre;
   network.radius = assembly.particles.radius;
   network.support = assembly.support;
   for (const Support support : assembly.support) {

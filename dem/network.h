@@ -35,6 +35,7 @@ struct ElasticNetwork {
   };
 
   std::vector<Bond> bonds;
+  std::vector<Vec3> centre;     ///< of each particle [m]
   std::vector<double> radius;   ///< of each particle [m]
   std::vector<Index> first_dof; ///< of each particle, or -1 if it is held
   std::vector<Support> support;

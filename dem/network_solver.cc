@@ -1,6 +1,7 @@
 #include "dem/network_solver.h"
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +19,8 @@ constexpr int most_changes = 60;
 constexpr double smallest_pivot = 1e-10;
 /// Residual over load at which a solution is refined, and that it may have then.
 constexpr double residual_tolerance = 1e-11, refined_tolerance = 1e-8;
+/// Accuracy of an iterated refinement.
+constexpr double correction_tolerance = 1e-3;
 
 /// Modes that a bond loses, as columns over its free dofs.
 struct LostModes {
@@ -50,12 +53,18 @@ Damage undamaged(const ElasticNetwork& network)
   return {intact, intact, {}};
 }
 
-NetworkSolver::NetworkSolver(const ElasticNetwork& network, const Damage& damage)
+NetworkSolver::NetworkSolver(const ElasticNetwork& network, const Damage& damage,
+                             std::size_t most_factored)
     : network_(&network), particle_bonds_(particle_bonds(network)),
-      pattern_(stiffness_pattern(network)), factor_(pattern_),
       ground_stiffness_(relative_ground_stiffness * mean_normal_stiffness(network)),
-      columns_(factor_.supernode_starts())
+      columns_(std::vector<int>{0})
 {
+  statistics_.iterates = network.radius.size() > most_factored;
+  if (!statistics_.iterates) {
+    pattern_ = stiffness_pattern(network);
+    factor_.emplace(pattern_);
+    columns_ = ColumnPanels(factor_->supernode_starts());
+  }
   factorise(damage.factorised);
   std::vector<BondStatus> status = damage.factorised;
   for (const std::vector<BondChange>& changes : damage.updates) {
@@ -80,7 +89,7 @@ Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
       pieces.piece, pieces_.piece, {}, [&](int k) { return pieces.hold[k]; },
       [&](int k) { return pieces_.hold[k]; });
   if (std::ssize(changes) <= most_changes &&
-      columns_.size() + 6 * std::ssize(changes) <= most_columns && same_holds &&
+      n_changed(damage) + 6 * std::ssize(changes) <= most_columns && same_holds &&
       (network_->platen_dof < 0 || pieces.platens_connected) && update(before, changes)) {
     damage.updates.emplace_back(changes.begin(), changes.end());
     pieces_ = pieces;
@@ -93,6 +102,17 @@ Damage NetworkSolver::apply(Damage damage, std::span<const BondChange> changes)
   if (!respond(damage.status) && obstacle_.empty())
     obstacle_ = "the remaining bonds and contacts are nearly a mechanism";
   return damage;
+}
+
+/// Columns that the updates since the last factorisation take, or would take.
+int NetworkSolver::n_changed(const Damage& damage) const
+{
+  if (!statistics_.iterates)
+    return int(columns_.size());
+  int n = 0;
+  for (const std::vector<BondChange>& changes : damage.updates)
+    n += 6 * int(changes.size());
+  return n;
 }
 
 /// True if the changes surely leave the pieces and what holds them as they are.
@@ -117,12 +137,18 @@ void NetworkSolver::factorise(std::span<const BondStatus> status)
   reduced_load_.resize(0);
   obstacle_ = equilibrium_obstacle(*network_, pieces_);
   ++statistics_.n_factorisations;
+  if (statistics_.iterates) {
+    iterative_.reset();
+    if (obstacle_.empty())
+      iterative_.emplace(*network_, status, pieces_);
+    return;
+  }
   if (obstacle_.empty() &&
-      !factor_.factorise(stiffness_values(*network_, pattern_, status, pieces_)))
+      !factor_->factorise(stiffness_values(*network_, pattern_, status, pieces_)))
     obstacle_ = "the remaining bonds and contacts are a mechanism";
-  statistics_.n_factor_nonzeros = factor_.n_nonzeros();
+  statistics_.n_factor_nonzeros = factor_->n_nonzeros();
   if (obstacle_.empty())
-    half_solved_load_ = factor_.half_solve(network_->unit_load);
+    half_solved_load_ = factor_->half_solve(network_->unit_load);
 }
 
 bool NetworkSolver::update(std::span<const BondStatus> before, std::span<const BondChange> changes)
@@ -130,10 +156,15 @@ bool NetworkSolver::update(std::span<const BondStatus> before, std::span<const B
   if (!obstacle_.empty())
     return false;
   for (const BondChange& change : changes) {
+    if (iterative_) {
+      iterative_->change(change.bond, change.status);
+      ++statistics_.n_updates;
+      continue;
+    }
     const LostModes lost = lost_modes(*network_, change.bond, before[change.bond], change.status);
     if (lost.entries.cols() == 0 || lost.dofs.empty())
       continue;
-    if (!remove(factor_.half_solve(lost.dofs, lost.entries)))
+    if (!remove(factor_->half_solve(lost.dofs, lost.entries)))
       return false;
     ++statistics_.n_updates;
   }
@@ -164,7 +195,7 @@ bool NetworkSolver::remove(const SupernodalFactor::SparseColumns& lost)
       pivots.matrixLLT().diagonal().minCoeff() < std::sqrt(smallest_pivot))
     return false;
   Lanes load = no_lanes();
-  const std::span<const int> starts = factor_.supernode_starts();
+  const std::span<const int> starts = factor_->supernode_starts();
   for (std::size_t p = 0; p < lost.supernode.size(); ++p) {
     const int s = lost.supernode[p];
     for (int i = starts[s]; i < starts[s + 1]; ++i)
@@ -197,7 +228,7 @@ Eigen::VectorXd NetworkSolver::solved(Eigen::VectorXd half_solved_load,
 {
   complement_.solve_transposed(reduced_load);
   columns_.add(reduced_load, half_solved_load);
-  return factor_.back_solve(std::move(half_solved_load));
+  return factor_->back_solve(std::move(half_solved_load));
 }
 
 NetworkForces NetworkSolver::grounded(std::span<const BondStatus> status,
@@ -211,19 +242,46 @@ NetworkForces NetworkSolver::grounded(std::span<const BondStatus> status,
   return forces;
 }
 
+Eigen::VectorXd NetworkSolver::unit_solution()
+{
+  return iterative_ ? iterated(network_->unit_load, iteration_tolerance)
+                    : solved(half_solved_load_, reduced_load_);
+}
+
+Eigen::VectorXd NetworkSolver::correction(const Eigen::VectorXd& residual)
+{
+  if (iterative_)
+    return iterated(residual, correction_tolerance);
+  const Eigen::VectorXd y = factor_->half_solve(residual);
+  return solved(y, reduced(y));
+}
+
+Eigen::VectorXd NetworkSolver::iterated(const Eigen::VectorXd& load, double tolerance)
+{
+  IterativeSolution solution = iterative_->solve(load, tolerance);
+  statistics_.n_iterations += solution.n_iterations;
+  if (solution.end == IterationEnd::no_stiffness)
+    obstacle_ = "the remaining bonds and contacts are a mechanism";
+  else if (solution.end == IterationEnd::too_many)
+    obstacle_ = fmt::format("the iteration for the displacements did not converge in {} steps",
+                            solution.n_iterations);
+  return std::move(solution.x);
+}
+
 /// False if there is no response, or none that fulfils the equations.
 bool NetworkSolver::respond(std::span<const BondStatus> status)
 {
   response_.reset();
   if (!obstacle_.empty())
     return false;
-  Eigen::VectorXd x = solved(half_solved_load_, reduced_load_);
+  Eigen::VectorXd x = unit_solution();
+  if (!obstacle_.empty())
+    return false;
   NetworkForces forces = grounded(status, x);
   const double load = network_->unit_load.norm();
   if (const Eigen::VectorXd residual = network_->unit_load - forces.nodal;
       !(residual.norm() <= residual_tolerance * load)) {
-    const Eigen::VectorXd y = factor_.half_solve(residual);
-    x += solved(y, reduced(y));
+    x += correction(residual);
     forces = grounded(status, x);
     ++statistics_.n_refinements;
     if (!((network_->unit_load - forces.nodal).norm() <= refined_tolerance * load))

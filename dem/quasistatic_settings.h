@@ -14,8 +14,9 @@ struct QuasistaticSettings {
   double strain_per_step = 5e-4;    ///< largest change of the specimen's strain in a step [-]
   double error_tolerance = 1e-3;    ///< local error of strain over strain gained, per step [-]
   long breakage_batch = 16;         ///< bonds that may break at a time; 1: one after the other
-  double residual_tolerance = 1e-7; ///< out-of-balance force over the largest contact force [-]
-  double regularisation = 1e-6;     ///< viscous hold of loose particles, over bond stiffness [-]
+  double residual_tolerance = 1e-5; ///< out-of-balance force over the largest contact force [-]
+  double regularisation = 1e-3;     ///< viscous resistance of contacts to sliding and rolling in a
+                                    ///< step, over their stiffness [-]
   double friction = 0.5;            ///< of contacts [-]
   AfterBreakage after_breakage = AfterBreakage::friction;
   Geometry geometry = Geometry::finite;

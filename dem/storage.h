@@ -3,6 +3,7 @@
 #include "dem/dynamics.h"
 #include "dem/events.h"
 #include "dem/hdf5_file.h"
+#include "dem/quasistatic.h"
 
 #include <string>
 #include <vector>
@@ -32,5 +33,9 @@ EventsState read_events_state(const Hdf5File& file, const std::string& group,
 void write_state(Hdf5File& file, const std::string& group, const DynamicState& state);
 DynamicState read_dynamic_state(const Hdf5File& file, const std::string& group,
                                 const DynamicModel& model);
+
+void write_state(Hdf5File& file, const std::string& group, const QuasistaticState& state);
+QuasistaticState read_quasistatic_state(const Hdf5File& file, const std::string& group,
+                                        const QuasistaticModel& model);
 
 } // namespace dem

@@ -85,7 +85,7 @@ def chains():
            (20, 0, 2, 2, "bottom"), (20, 0, 6, 2, "free"), (20, 0, 10, 2, "top")])
     table("h07-squeezed-bonds.csv", "a,b,normal_strength_N,shear_strength_N",
           [(0, 1, 100, 1e-6), (1, 2, 100, 1e-6), (3, 4, 100, 100), (4, 5, 100, 100)])
-    turn = 4 * mp.pi / 10 / mpf("1.001e-3")  # of each bond, twice round in all
+    turn = mpf("0.45") / mpf("1.001e-3")  # of each bond: 4.5 in all, before the ends meet
     table("h14-rolled-particles.csv", header + "my_N_m", chain(digits(turn / mpf("1e6"))))
     table("h15-bent-particles.csv", header + "fx_N", chain(1))
     table("h15-swapped-chain-bonds.csv", "a,b", [(b, a) for a, b in bonds_in_a_row(10)])

@@ -81,6 +81,27 @@ class FlowTime(unittest.TestCase):
         self.assertAlmostEqual(np.log10(time[k] / least), 0, delta=2 * curves.WINDOW)
 
 
+class FlowNumber(unittest.TestCase):
+    def found(self, cycle, strain):
+        number, rate = curves.smoothed_rate(cycle, strain)
+        k = curves.flow_time(rate)
+        return None if k is None else number[k]
+
+    def test_is_the_cycle_at_which_permanent_strain_grows_least(self):
+        every = np.arange(1.0, 3001)
+        growing_steps = np.unique(np.round(np.geomspace(1, 3000, 200)))
+        for cycle in every, growing_steps:
+            strain, least = creep(2e-2, 0.4, 1e-9, 2.5, cycle)
+            self.assertLess(least, 1000)
+            self.assertAlmostEqual(np.log10(self.found(cycle, strain) / least), 0,
+                                   delta=curves.WINDOW / 4)
+
+    def test_needs_a_rise(self):
+        cycle = np.arange(1.0, 1001)
+        self.assertIsNone(self.found(cycle, 0.1 * cycle**0.4))
+        self.assertIsNone(self.found(cycle, 0.1 * cycle**0.4 + 0.01 * cycle))
+
+
 class Curve(unittest.TestCase):
     def test_breakages_stand_where_they_happened(self):
         time, value = curves.event_order(np.array([0.0, 1, 2]), np.array([0.0, 4, 5]),

@@ -201,7 +201,7 @@ TEST(Results, ExportNamesTheNearestSnapshotAndTheTablesThereAre)
   EXPECT_TRUE(contains(near.output, "note: nearest snapshot is at 5 s; there are: 0, 5, 20 s\n"));
   const Finished typo = mastic(done.folder, {"export", "out", "breakage"});
   EXPECT_EQ(typo.exit_code, 2);
-  EXPECT_EQ(typo.output, "error: there is no table 'breakage'; tables: history, breakages, "
+  EXPECT_EQ(typo.output, "error: there is no table 'breakage'; tables: history, breakages, cycles, "
                          "particles, bonds, complex_modulus; did you mean 'breakages'?\n");
   const Finished absent = mastic(done.folder, {"export", "out", "complex_modulus"});
   EXPECT_EQ(absent.exit_code, 2);
@@ -247,9 +247,12 @@ TEST(Results, SayWhereTheyComeFrom)
   EXPECT_EQ(file.number_attribute("", "strength_seed"), 7);
   EXPECT_EQ(file.number_attribute("", "storage_version"), 1);
   EXPECT_TRUE(file.text_attribute("", "estimated_values").starts_with("Maxwell stiffness, "));
-  for (const char* attribute :
-       {"revision", "compiler", "written_utc", "solver_reason", "solver_statistics", "sign"})
+  for (const char* attribute : {"revision", "compiler", "written_utc", "solver_reason",
+                                "solver_statistics", "sign", "machine"})
     EXPECT_NE(file.text_attribute("", attribute), "") << attribute;
+  EXPECT_EQ(file.text_attribute("", "control"), "force");
+  for (const char* count : {"unknowns", "bonds", "steps", "solves", "factorisations"})
+    EXPECT_GE(file.number_attribute("", count), 1) << count;
   EXPECT_EQ(file.read_text("scene/as_typed"), networks::scene);
   EXPECT_TRUE(contains(file.read_text("scene/resolved"), "\n  set Axial stress = 1000 kPa\n"));
 

@@ -39,12 +39,40 @@ TEST(SceneCheck, RefusesKeysThatDoNotGoTogether)
       {{"Loading/Test = particle loads"},
        "--set: Test: particle loads come from a particle file: Source = file"},
       {{"Loading/Test = constant rate", "Loading/True stress = true"},
-       "--set: True stress: goes with creep and stress history only"},
+       "--set: True stress: goes with tests at prescribed stress only"},
       {{"Loading/Test = stress history"},
        "Loading/Stress history (not set): loading: at least two points in time are needed"},
       {{"Loading/Test = strain history", "Loading/Strain history = 0 s: 0 %, 5 s: 1 %, 4 s: 2 %"},
        "--set: Strain history: loading: times must not decrease and not be negative; point 3 is at "
        "4 s"},
+      {{"Loading/Test = sine", "Loading/Stress amplitude = 0 kPa"},
+       "--set: Stress amplitude: pulses of 0 lead nowhere"},
+      {{"Loading/Test = haversine", "Loading/Peak stress = 0 kPa"},
+       "--set: Peak stress: pulses of 0 lead nowhere"},
+      {{"Loading/Test = haversine", "Loading/Points per pulse = 18"},
+       "--set: Points per pulse: must be a multiple of 4"},
+      {{"Loading/Test = block pulses", "Loading/Rest time = 0 s"},
+       "--set: Rest time: block pulses without a rest are one pulse"},
+      {{"Loading/Test = sine", "Loading/Cycles = 1000000"},
+       "--set: Cycles: 1000000 cycles of 16 points make 1.6e+07 points in time, more than 1e+07"},
+      {{"Solver = events", "Loading/Confining stress = 100 kPa"},
+       "--set: Solver: takes no Confining stress; use quasistatic"},
+      {{"Solver = dynamic", "Temperature/Shift law = WLF",
+        "Temperature/Temperature history = 0 s: 20 degC, 60 s: 30 degC"},
+       "--set: Solver: takes no Temperature history; use quasistatic"},
+      {{"Temperature/Temperature history = 0 s: 20 degC, 60 s: 30 degC"},
+       "--set: Temperature history: without a Shift law the temperature has no effect"},
+      {{"Temperature/Shift law = WLF", "Temperature/Temperature = 20 degC",
+        "Temperature/Temperature history = 0 s: 20 degC, 60 s: 30 degC"},
+       "--set: Temperature: give either Temperature or Temperature history"},
+      {{"Temperature/Shift law = WLF",
+        "Temperature/Temperature history = 10 s: 20 degC, 6 s: 30 degC"},
+       "--set: Temperature history: times must not decrease and not be "
+       "negative; point 2 is at 6 s"},
+      {{"Temperature/Shift law = WLF",
+        "Temperature/Temperature history = 0 s: 20 degC, 6 s: -80 degC"},
+       "--set: Temperature history: WLF shift: the temperature must be above 201.15 K (reference - "
+       "C2), found 193.15 K"},
       {{"Solver = linear", "Loading/True stress = true"},
        "--set: Solver: linear takes nominal stress only; use events"},
       {{"Solver = events", "Bonds/After breakage = friction"},
@@ -113,6 +141,21 @@ TEST(SceneCheck, WarnsOfWideBondsAndVanishingStrength)
                                   "Strength/Rate window fraction = 0"})),
             Lines{"--set: Rate floor: without window and floor the strength falls to 0 as the "
                   "strain rate does"});
+}
+
+TEST(SceneCheck, WarnsOfRatesAveragedOverPartsOfCycles)
+{
+  const auto warned = [](const Lines& more) {
+    Lines settings{"Loading/Test = haversine", "Strength/Rate window fraction = 0"};
+    settings.insert(settings.end(), more.begin(), more.end());
+    return scenes::warnings(scenes::load("", settings)).size();
+  };
+  EXPECT_EQ(warned({}), 0u);
+  EXPECT_EQ(warned({"Strength/Rate window = 2 s"}), 0u);
+  EXPECT_EQ(warned({"Strength/Rate window = 0.1 s"}), 1u);
+  EXPECT_EQ(warned({"Loading/Rest time = 0.5 s"}), 1u);
+  EXPECT_EQ(warned({"Strength/Rate window fraction = 0.01"}), 1u);
+  EXPECT_EQ(warned({"Strength/Rate window = 0.1 s", "Strength/Distribution = none"}), 0u);
 }
 
 TEST(SceneCheck, WithoutPresetTheUncertainKeysMustBeSet)

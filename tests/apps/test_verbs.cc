@@ -36,11 +36,11 @@ void expect_error(const command::Folder& folder, const std::vector<std::string>&
 TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
 {
   const command::Folder folder;
-  const std::string verbs = "; verbs: run, check, pack, new, plot, export, info, study\n";
+  const std::string verbs = "; verbs: run, study, check, pack, new, plot, export, info\n";
   expect_error(folder, {"runn"}, "error: there is no verb 'runn'; did you mean 'run'?" + verbs);
   expect_error(
       folder, {},
-      "error: say what to do: run, check, pack, new, plot, export, info, study; or see mastic "
+      "error: say what to do: run, study, check, pack, new, plot, export, info; or see mastic "
       "--help\n");
   expect_error(folder, {"run", "a.scene", "--set", "Loading/End", "time = 5 s"},
                "error: The following argument was not expected: time = 5 s; settings need quotes: "
@@ -54,8 +54,8 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
   expect_error(folder, {"plot", "."}, "error: .: there are no results in it\n");
   expect_error(folder, {"run", "--resume", "none"}, "error: none: there is no such file\n");
   expect_error(folder, {"new", "kreep"},
-               "error: there is no kind 'kreep' of scene; kinds: constant-rate, creep, dynamic, "
-               "history, network, study; did you mean 'creep'?\n");
+               "error: there is no kind 'kreep' of scene; kinds: constant-rate, creep, cycles, "
+               "dynamic, history, network, study; did you mean 'creep'?\n");
   folder.write("text.h5", "no HDF5");
   expect_error(folder, {"info", "text.h5"},
                "error: text.h5: this is not an HDF5 file, or it is damaged\n");
@@ -72,7 +72,7 @@ TEST(Command, ChecksItsOwnNewScenes)
   folder.write("particles.csv",
                "x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,bottom,0\n0,0,6,2,free,-1\n");
   for (const std::string kind :
-       {"creep", "constant-rate", "history", "network", "dynamic", "study"}) {
+       {"creep", "constant-rate", "history", "cycles", "network", "dynamic", "study"}) {
     const Finished made = mastic(folder, {"new", kind});
     ASSERT_EQ(made.exit_code, 0);
     folder.write(kind + ".scene", made.output);

@@ -61,6 +61,23 @@ class SmallScenes(unittest.TestCase):
             self.assertLessEqual(abs(row["axial_strain_percent"] / 100 - strain), 1e-12)
         self.assertTrue(any(row["axial_stress_kPa"] == 0 for row in history))
 
+    def test_block_pulses_superpose(self):
+        for solver in "linear", "events":
+            history, _ = run("../cyclic/block-pulses.scene", f"Solver = {solver}")
+            force = 100e3 * pi * (18.05e-3 / 2) ** 2
+            for row in history:
+                t, load = row["time_s"], row["axial_stress_kPa"]
+                terms = [(2.0 * k, 2.0 * k + 1) for k in range(100)]
+                on = lambda start: t > start or (t == start and load > 50)
+                off = lambda end: t > end or (t == end and load < 50)
+                j = 0.02 * compliance(t)
+                j += 0.98 * sum(compliance(t - a) for a, _ in terms if on(a))
+                j -= 0.98 * sum(compliance(t - b) for _, b in terms if off(b))
+                strain = force * 8 / 16 * j / 36e-3
+                self.assertLessEqual(abs(row["axial_strain_percent"] / 100 - strain),
+                                     1e-12 + 1e-10 * strain, t)
+            self.assertEqual(history[-1]["time_s"], 200)
+
     def test_bundle_breaks_at_the_times_of_the_table(self):
         _, breakages = run("bundle.scene", code=5)
         cases = json.loads((ROOT / "tests/reference/bundle_cascade.json").read_text())["cases"]

@@ -1,0 +1,109 @@
+#include "apps/solver_ladder.h"
+
+#include "apps/quantity.h"
+#include "apps/study_scene.h"
+#include "apps/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+const std::vector<std::string> solver_names{"linear", "events", "quasistatic", "dynamic"};
+
+/// As few digits as matter: 16 times 5e-4 is 0.008.
+double rounded(double value)
+{
+  return std::stod(fmt::format("{:.12g}", value));
+}
+
+Rung quasistatic_rung(const std::string& knob, const Scene& scene, double factor, long batch)
+{
+  const dem::QuasistaticSettings& v = scene.quasistatic;
+  const double step = rounded(std::min(0.1, factor * v.strain_per_step)),
+               tolerance = rounded(std::min(1.0, factor * v.error_tolerance));
+  return {"quasistatic",
+          knob,
+          knob == "breakage batch" ? double(batch) : step,
+          {"Quasistatic/Strain per step = " + shortest(step),
+           "Quasistatic/Error tolerance = " + shortest(tolerance),
+           fmt::format("Quasistatic/Breakage batch = {}", batch)}};
+}
+
+void check_solvers(const std::vector<std::string>& names)
+{
+  for (const std::string& name : names)
+    if (std::ranges::find(solver_names, name) == solver_names.end()) {
+      const std::string close = nearest(name, solver_names);
+      throw std::invalid_argument(
+          fmt::format("there is no solver '{}'; solvers: linear, events, quasistatic, dynamic{}",
+                      name, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+    }
+}
+
+} // namespace
+
+std::string Rung::text() const
+{
+  return knob.empty() ? solver : fmt::format("{}, {} {}", solver, knob, shortest(value));
+}
+
+std::string Rung::folder() const
+{
+  std::string name = solver;
+  for (const std::string& setting : settings)
+    name += "-" + as_folder_name(trimmed(setting.substr(setting.find('=') + 1)));
+  return name;
+}
+
+std::vector<Ladder> solver_ladders(const Scene& scene, const LadderOptions& options)
+{
+  check_solvers(options.solvers);
+  std::vector<Ladder> ladders;
+  for (const std::string& solver : options.solvers) {
+    if (solver == "linear" || solver == "events")
+      ladders.push_back({plain_rung(solver)});
+    if (solver == "quasistatic") {
+      Ladder steps, batches;
+      std::vector<double> factors = options.coarsening;
+      std::ranges::sort(factors, std::greater());
+      for (const double factor : factors)
+        steps.push_back(
+            quasistatic_rung("strain per step", scene, factor, scene.quasistatic.breakage_batch));
+      std::vector<long> counts = options.batches;
+      std::ranges::sort(counts, std::greater());
+      for (const long batch : counts)
+        batches.push_back(quasistatic_rung("breakage batch", scene, 1, batch));
+      ladders.push_back(steps);
+      if (scene.strength.kind != StrengthKind::none)
+        ladders.push_back(batches);
+    }
+    if (solver == "dynamic") {
+      Ladder ladder;
+      std::vector<double> scalings = options.scalings;
+      std::ranges::sort(scalings);
+      for (const double x : scalings)
+        ladder.push_back(
+            {"dynamic", "viscosity scaling", x, {"Dynamic/Viscosity scaling = " + shortest(x)}});
+      ladders.push_back(ladder);
+    }
+  }
+  return ladders;
+}
+
+Rung plain_rung(const std::string& solver)
+{
+  return {solver, "", 0, {}};
+}
+
+Rung finest_quasistatic(const Scene& scene)
+{
+  return quasistatic_rung("finest strain per step", scene, 0.1, 1);
+}
+
+} // namespace apps

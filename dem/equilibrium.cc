@@ -1,0 +1,154 @@
+#include "dem/equilibrium.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dem {
+
+namespace {
+
+constexpr int most_iterations = 40;
+/// Iterations after which each step is searched along for the least potential.
+constexpr int plain_iterations = 6;
+constexpr int most_shortenings = 5;
+/// Below, waking a thread takes longer than the work.
+constexpr Index links_worth_threads = 2000;
+
+/// Relative residual to which a Newton step is solved.
+double linear_tolerance(double residual, double wanted)
+{
+  return std::clamp(0.3 * wanted / residual, 1e-10, 1e-2);
+}
+
+} // namespace
+
+Configuration EquilibriumFinder::configuration(const EquilibriumProblem& problem,
+                                               const Eigen::VectorXd& x) const
+{
+  const std::size_t n = dofs_.first_dof.size();
+  Configuration at{std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero())};
+  const double platen = dofs_.platen_dof >= 0 ? x[dofs_.platen_dof] : problem.platen_moved;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (const Index dof = dofs_.first_dof[i]; dof >= 0) {
+      at.moved[i] = x.segment<3>(dof);
+      at.turn[i] = x.segment<3>(dof + 3) / dofs_.radius[i];
+    } else if (dofs_.support[i] == Support::top)
+      at.moved[i].z() = platen;
+  }
+  return at;
+}
+
+EquilibriumFinder::Residual EquilibriumFinder::evaluate(const EquilibriumProblem& problem,
+                                                        const Eigen::VectorXd& x,
+                                                        Equilibrium& result)
+{
+  ++n_evaluations_;
+  const LinkStep& step = problem.step;
+  result.at = configuration(problem, x);
+  const auto n_links = Index(step.start->link.size());
+#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
+  for (Index k = 0; k < n_links; ++k) {
+    const LinkAnswer link = answer(step, std::size_t(k), result.at);
+    matrix_.tangent[k] = link.tangent;
+    force_[k] = link.force;
+    moment_[k] = link.moment;
+  }
+  const auto n = Index(dofs_.first_dof.size());
+  Residual residual{problem.external, 0};
+  std::vector<double> on_top(n, 0.0);
+#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
+  for (Index i = 0; i < n; ++i) {
+    const Index dof = dofs_.first_dof[i];
+    if (dof < 0 && dofs_.support[i] != Support::top)
+      continue;
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+    for (Index p = problem.body_links->start[i]; p < problem.body_links->start[i + 1]; ++p) {
+      const Index k = problem.body_links->link[p];
+      const LinkTangent& t = matrix_.tangent[k];
+      if (!t.carries())
+        continue;
+      const bool is_first = matrix_.ends[k][0] == i;
+      const double sign = is_first ? 1 : -1, arm = is_first ? t.arm_first : t.arm_second;
+      force += sign * force_[k];
+      moment += sign * moment_[k] + arm * t.normal.cross(force_[k]);
+    }
+    if (dof >= 0) {
+      residual.force.segment<3>(dof) += force - problem.hold[i] * x.segment<3>(dof);
+      residual.force.segment<3>(dof + 3) +=
+          moment / dofs_.radius[i] - problem.hold[i] * x.segment<3>(dof + 3);
+    } else
+      on_top[i] = force.z();
+  }
+  double upward = 0;
+  for (const double each : on_top)
+    upward += each;
+  if (dofs_.platen_dof >= 0) {
+    result.platen_force = problem.platen_force(x[dofs_.platen_dof]);
+    residual.force[dofs_.platen_dof] = upward + result.platen_force;
+  } else
+    result.platen_force = -upward;
+  double largest = 0;
+  for (const Vec3& each : force_)
+    largest = std::max(largest, each.squaredNorm());
+  result.largest_force = std::sqrt(largest);
+  result.residual = 0;
+  for (Index d = 0; d < residual.force.size(); ++d)
+    if (!(std::abs(residual.force[d]) <= result.residual)) {
+      result.residual = std::abs(residual.force[d]);
+      result.worst_body = d;
+    }
+  residual.largest = result.residual;
+  return residual;
+}
+
+Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eigen::VectorXd& guess)
+{
+  const Links& start = *problem.step.start;
+  const auto n_links = Index(start.link.size());
+  matrix_.ends.resize(start.link.size());
+  for (std::size_t k = 0; k < start.link.size(); ++k)
+    matrix_.ends[k] = {start.link[k].first, start.link[k].second};
+  matrix_.tangent.resize(start.link.size());
+  matrix_.hold = problem.hold;
+  force_.resize(start.link.size());
+  moment_.resize(start.link.size());
+  Equilibrium result;
+  result.x = guess;
+  Residual residual = evaluate(problem, result.x, result);
+  for (;; ++result.n_iterations) {
+    const double wanted =
+        problem.tolerance * std::max(result.largest_force, problem.external.size() > 0
+                                                               ? 1e-3 * problem.external.norm()
+                                                               : 0.0);
+    if (!std::isfinite(residual.largest))
+      return result;
+    if (residual.largest <= wanted) {
+      result.found = true;
+      return result;
+    }
+    if (result.n_iterations == most_iterations || dofs_.n_dofs == 0)
+      return result;
+    const std::optional<Eigen::VectorXd> direction =
+        factor_.solve(matrix_, *problem.body_links, dofs_, residual.force,
+                      linear_tolerance(residual.largest, wanted), problem.stiffness,
+                      n_links > links_worth_threads ? n_threads_ : 1);
+    if (!direction)
+      return result;
+    const double slope = residual.force.dot(*direction), before = residual.force.norm();
+    const Eigen::VectorXd from = result.x;
+    double share = 1;
+    for (int shortening = 0;; ++shortening) {
+      result.x = from + share * *direction;
+      residual = evaluate(problem, result.x, result);
+      const double now = residual.force.dot(*direction);
+      const bool searching = result.n_iterations > plain_iterations; // two states take turns
+      if (shortening == most_shortenings || std::abs(now) < (searching ? 0.2 : 0.8) * slope ||
+          (!searching && residual.force.norm() < before))
+        break;
+      const double secant = std::isfinite(now) && now < slope ? slope / (slope - now) : 0.5;
+      share *= std::clamp(secant, 0.1, 0.6);
+    }
+  }
+}
+
+} // namespace dem

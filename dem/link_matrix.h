@@ -1,0 +1,47 @@
+#pragma once
+#include "dem/link_mechanics.h"
+#include "dem/network.h"
+#include "dem/supernodal_factor.h"
+
+#include <Eigen/Core>
+
+namespace dem {
+
+/// Unknowns of a quasi-static step: for each free particle its displacement and its turn times its
+/// radius; the last one is the displacement of the upper platen, if its force is prescribed.
+struct LinkDofs {
+  std::vector<Index> first_dof; ///< of each body, or -1 if it is held
+  std::vector<double> radius;
+  std::vector<Support> support;
+  Index platen_dof = -1;
+  Index n_dofs = 0;
+};
+LinkDofs make_dofs(const Bodies& bodies, bool platen_is_free);
+
+/// The links of each body.
+struct BodyLinks {
+  std::vector<Index> start; ///< of each body in `link`, and the end
+  std::vector<Index> link;
+};
+BodyLinks body_links(const Links& links, std::size_t n_bodies);
+
+/// Tangent of all links, and a stiffness that holds bodies where they are.
+struct LinkMatrix {
+  std::vector<std::array<Index, 2>> ends;
+  std::vector<LinkTangent> tangent;
+  std::vector<double> hold; ///< of each body, on all its dofs [N/m]
+};
+
+/// K x, each body's row by itself: the same bits on any number of threads.
+Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, const LinkDofs& dofs,
+                        const Eigen::VectorXd& x, int n_threads);
+
+/// Pattern of K for these links.
+SymmetricPattern link_pattern(std::span<const std::array<Index, 2>> ends, const LinkDofs& dofs);
+
+/// Values of the lower triangle of K, in the order of a pattern. Links outside of it are left out:
+/// the matrix serves as a preconditioner.
+std::vector<double> link_values(const LinkMatrix& matrix, const SymmetricPattern& pattern,
+                                const LinkDofs& dofs);
+
+} // namespace dem

@@ -1,0 +1,105 @@
+#include "dem/stale_factor.h"
+
+#include <algorithm>
+
+namespace dem {
+
+namespace {
+
+/// Iterations that cost as much as a factorisation.
+constexpr long iterations_per_factorisation = 30;
+/// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
+constexpr long free_iterations = 3;
+constexpr long most_iterations = 200;
+/// Links that carry outside the pattern before it is analysed anew.
+constexpr std::size_t most_outside = 40;
+
+} // namespace
+
+void StaleFactor::analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs)
+{
+  for (auto& each : ends)
+    each = {std::min(each[0], each[1]), std::max(each[0], each[1])};
+  std::ranges::sort(ends);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  analysed_ = std::move(ends);
+  pattern_ = link_pattern(analysed_, dofs);
+  factor_.emplace(*pattern_);
+  ++statistics_.n_analyses;
+}
+
+void StaleFactor::factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness)
+{
+  std::vector<std::array<Index, 2>> carrying;
+  for (std::size_t k = 0; k < matrix.tangent.size(); ++k)
+    if (matrix.tangent[k].carries())
+      carrying.push_back({std::min(matrix.ends[k][0], matrix.ends[k][1]),
+                          std::max(matrix.ends[k][0], matrix.ends[k][1])});
+  const auto outside = std::size_t(std::ranges::count_if(
+      carrying, [&](const auto& pair) { return !std::ranges::binary_search(analysed_, pair); }));
+  if (!pattern_ || outside > most_outside)
+    analyse(std::move(carrying), dofs);
+  auto next = std::make_shared<FactorisedMatrix>();
+  next->ends = analysed_;
+  next->values = link_values(matrix, *pattern_, dofs);
+  next->stiffness = stiffness;
+  if (!factor_->factorise(next->values)) { // rounding: hold everything a little
+    for (int c = 0; c < pattern_->size(); ++c)
+      next->values[pattern_->column_start[c]] *= 1 + 1e-9;
+    factor_->factorise(next->values);
+  }
+  statistics_.n_factor_nonzeros = factor_->n_nonzeros();
+  ++statistics_.n_factorisations;
+  wear_ = {std::move(next), 0};
+}
+
+void StaleFactor::restore(const Wear& wear, const LinkDofs& dofs)
+{
+  wear_ = wear;
+  if (!wear.factorised)
+    return;
+  analyse(wear.factorised->ends, dofs);
+  factor_->factorise(wear.factorised->values);
+}
+
+std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
+                                                  const BodyLinks& body_links, const LinkDofs& dofs,
+                                                  const Eigen::VectorXd& b, double tolerance,
+                                                  double stiffness, int n_threads)
+{
+  if (!wear_.factorised || wear_.extra_iterations > iterations_per_factorisation)
+    factorise(matrix, dofs, stiffness);
+  const double scale = wear_.factorised->stiffness / stiffness;
+  const auto precondition = [&](const Eigen::VectorXd& r) {
+    return Eigen::VectorXd(scale * factor_->back_solve(factor_->half_solve(r)));
+  };
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), r = b, z = precondition(r), p = z;
+  double rz = r.dot(z);
+  const double enough = tolerance * b.norm();
+  ++statistics_.n_solves;
+  long n = 0;
+  for (; r.norm() > enough; ++n) {
+    if (n == most_iterations)
+      return std::nullopt;
+    const Eigen::VectorXd product = dem::product(matrix, body_links, dofs, p, n_threads);
+    const double curvature = p.dot(product);
+    if (!(curvature > 0))
+      return std::nullopt;
+    const double alpha = rz / curvature;
+    x += alpha * p;
+    r -= alpha * product;
+    if (r.norm() <= enough) {
+      ++n;
+      break;
+    }
+    z = precondition(r);
+    const double next = r.dot(z);
+    p = z + next / rz * p;
+    rz = next;
+  }
+  statistics_.n_iterations += n;
+  wear_.extra_iterations += std::max(0L, n - free_iterations);
+  return x;
+}
+
+} // namespace dem
