@@ -89,6 +89,9 @@ std::vector<double> history_times(const Scene& scene, const dem::Loading& loadin
   const double start = loading.points.front().time, end = dem::end_time(loading);
   std::vector<double> times =
       cyclic_load(scene, 1) ? cycle_times(scene, loading) : spaced_times(scene, loading);
+  for (const ExpectedValue& expected : scene.expect.values)
+    if (expected.table == ExpectedValue::Table::history)
+      times.push_back(expected.time);
   for (double& time : times)
     time = std::clamp(time, start, end);
   return sorted(times);
@@ -101,6 +104,10 @@ std::vector<double> snapshot_times(const Scene& scene, const dem::Loading& loadi
   for (const double time : scene.output.snapshot_times)
     if (time > start && time < end)
       times.push_back(time);
+  for (const ExpectedValue& expected : scene.expect.values)
+    if (expected.table != ExpectedValue::Table::history && expected.time > start &&
+        expected.time < end)
+      times.push_back(expected.time);
   return sorted(times);
 }
 

@@ -1,4 +1,5 @@
 #include "apps/files.h"
+#include "apps/hard_cases.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
 #include "apps/run.h"
@@ -29,7 +30,7 @@ struct Arguments {
   std::string resume, packing, time;
   RunOptions run;
   SolverStudyOptions study;
-  bool as_csv = false;
+  bool hard = false;
 };
 
 void add_common(CLI::App& verb, Arguments& a)
@@ -50,6 +51,7 @@ void add_run(CLI::App& app, Arguments& a, std::function<int()>& action)
                    "Threads of the explicit solver; runs at a time in a study (default: all)")
       ->check(CLI::Range(1, 1024));
   verb->add_flag("--quiet", a.run.quiet, "No progress");
+  verb->add_flag("--unchecked", a.run.unchecked, "Without the sections Expect and Repeat");
   verb->add_flag("--report", a.run.for_parent)->group("");
   add_common(*verb, a);
   verb->callback([&] { action = [&] { return run_verb(a.scene, a.resume, a.packing, a.run); }; });
@@ -60,7 +62,10 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
   CLI::App* verb = app.add_subcommand(
       "study", "Speed against error: run a scene with all solvers at several settings");
   SolverStudyOptions& v = a.study;
-  verb->add_option("scene", a.scene, "Scene file")->required();
+  verb->add_option("scene", a.scene, "Scene file; with --hard a folder of them");
+  verb->add_flag("--hard", a.hard,
+                 "Run the scenes that say what they expect, and tell which are met (default: the "
+                 "hard cases that come with the program)");
   verb->add_option("--solvers", v.ladders.solvers, "Which, separated by commas (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -93,9 +98,12 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
   verb->add_flag("--quiet", v.quiet, "No progress");
   add_common(*verb, a);
   verb->callback([&] {
+    if (a.scene.empty() && !a.hard)
+      throw CLI::RequiredError("scene");
     action = [&] {
       a.study.overrides = a.run.overrides;
-      return study_verb(a.scene, a.study);
+      a.run.n_threads = a.study.n_threads;
+      return a.hard ? run_hard_cases(a.scene, a.run) : study_verb(a.scene, a.study);
     };
   });
 }
@@ -188,7 +196,8 @@ int main(int argc, char** argv)
   app.set_version_flag("--version", std::string("mastic " MASTIC_VERSION " (" MASTIC_REVISION ")"));
   app.footer(
       "A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"
-      "Exit codes: 0 done, 2 wrong input, 3 a computation failed, 4 interrupted with a "
+      "Exit codes: 0 done, 1 not as the scene expects, 2 wrong input, 3 a computation failed, 4 "
+      "interrupted with a "
       "checkpoint, 5 the specimen lost its equilibrium.");
   Arguments arguments;
   arguments.run.n_threads = int(std::max(1u, std::thread::hardware_concurrency()));

@@ -68,7 +68,8 @@ void refuse_deep_overlaps(const dem::Particles& particles, const CsvTable& table
     return;
   const auto [a, b] = pairs.front();
   throw std::invalid_argument(fmt::format(
-      "{}: the sphere overlaps the one at {} by more than a tenth of the smaller radius{}",
+      "{}: the sphere overlaps the one at {} by more than a tenth of the smaller radius{}; "
+      "if that is meant, set Accept unusual values = true",
       table.place(b), table.place(a),
       pairs.size() == 1 ? "" : fmt::format("; there are {} such pairs", pairs.size())));
 }
@@ -97,7 +98,8 @@ Packing packing_from_csv(const LoadedScene& loaded, const std::filesystem::path&
   packing.loads = particle_loads(table);
   packing.platens = dem::packing_extent(packing.particles);
   packing.origin = file.string();
-  refuse_deep_overlaps(packing.particles, table);
+  if (!loaded.scene->accept_unusual)
+    refuse_deep_overlaps(packing.particles, table);
   return packing;
 }
 

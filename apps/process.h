@@ -14,7 +14,8 @@ struct Child {
 
 /// Starts a program with arguments (the first is the program's path).
 /// \throws std::runtime_error if it cannot be started
-Child start_child(const std::vector<std::string>& command);
+/// \param own_group  whether it leads a group of processes, which signals can reach together
+Child start_child(const std::vector<std::string>& command, bool own_group = false);
 
 /// Waits for the end. \return the exit code, 128 + signal if it was killed
 int wait_for(const Child& child);
@@ -23,8 +24,14 @@ int wait_for(const Child& child);
 struct Finished {
   std::string output;
   int exit_code;
+  bool timed_out = false; ///< it was killed because its time was over
 };
 Finished read_to_end(const Child& child);
 Finished run_to_end(const std::vector<std::string>& command);
+
+/// The same, but a child that takes longer is killed with all that it has started, and told to stop
+/// when this program is interrupted.
+/// \param time_limit  [s]
+Finished run_to_end(const std::vector<std::string>& command, double time_limit);
 
 } // namespace apps

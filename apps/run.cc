@@ -7,6 +7,7 @@
 #include "apps/load_case.h"
 #include "apps/plot.h"
 #include "apps/progress.h"
+#include "apps/repeat.h"
 
 #include <fmt/format.h>
 
@@ -14,16 +15,18 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <stdexcept>
 
 namespace apps {
 
 namespace {
 
-void say(const std::string& line)
+void say(RunInProgress& r, const std::string& line)
 {
   fmt::print("{}\n", line);
   std::fflush(stdout);
+  r.log.push_back(line);
 }
 
 /// How far the specimen has moved: strain, compression positive, or the displacement of the loads.
@@ -95,61 +98,127 @@ DriveEnd drive(RunInProgress& r, const std::filesystem::path& folder, const RunO
   return DriveEnd::done;
 }
 
+/// The exit code of a run once its expectations are looked at.
+int judged(const RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options,
+           int code)
+{
+  const bool repeated = r.scene.scene->repeat.wanted();
+  if (!expects_anything(r.scene.scene->expect) && !repeated)
+    return code;
+  std::vector<Check> checks = check_run(r);
+  if (repeated)
+    for (Check& each : check_repetition(r, folder, options))
+      checks.push_back(std::move(each));
+  return report_checks(checks, folder) ? code : int(exit_not_met);
+}
+
 int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options)
 {
   make_folder(folder); // now, not after hours
   if (drive(r, folder, options) == DriveEnd::interrupted) {
-    say(fmt::format("{}: interrupted at t = {:.6g} s{}", r.scene.name, r.run->time(),
-                    options.for_parent ? ""
-                                       : "; to go on: mastic run --resume " + folder.string()));
+    say(r, fmt::format("{}: interrupted at t = {:.6g} s{}", r.scene.name, r.run->time(),
+                       options.for_parent ? ""
+                                          : "; to go on: mastic run --resume " + folder.string()));
     return exit_interrupted;
   }
   const dem::Response& last = r.record.history.back();
   std::string ending = name_of(r.run->end());
   if (!r.run->end_reason().empty())
     ending += ": " + r.run->end_reason();
-  say(fmt::format("  ended at t = {:.6g} s: {}; {}, {} of {} bonds broken", last.time, ending,
-                  motion_text(r, last), r.run->breakages().size(),
-                  r.specimen.assembly.bonds.size()));
-  say("  " + r.run->statistics());
-  say(fmt::format("  solved in {}", duration_text(r.wall_time_before)));
+  say(r, fmt::format("  ended at t = {:.6g} s: {}; {}, {} of {} bonds broken", last.time, ending,
+                     motion_text(r, last), r.run->breakages().size(),
+                     r.specimen.assembly.bonds.size()));
+  say(r, "  " + r.run->statistics());
+  say(r, fmt::format("  solved in {}", duration_text(r.wall_time_before)));
   const bool small = r.decision.solver == SolverChoice::linear ||
                      (r.decision.solver == SolverChoice::events &&
                       r.scene.scene->solver != SolverChoice::automatic);
   if (small && std::abs(last.strain) > 0.02)
-    say(fmt::format("  note: this solver takes displacements as small; at {:.2g} % of the gauge "
-                    "length the change of geometry that it leaves out is of that order",
-                    std::abs(100 * last.strain)));
+    say(r, fmt::format("  note: this solver takes displacements as small; at {:.2g} % of the gauge "
+                       "length the change of geometry that it leaves out is of that order",
+                       std::abs(100 * last.strain)));
   write_results(r, folder, r.wall_time_before);
   if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)
     print_scaling_audit(r, folder);
   remove_checkpoints(folder);
-  say(fmt::format("  results in {}", folder.string()));
+  say(r, fmt::format("  results in {}", folder.string()));
   if (r.scene.scene->output.plots)
     for (const std::string& figure : make_figures({folder}, folder))
-      say("  figure " + figure);
-  return r.run->end() == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
+      say(r, "  figure " + figure);
+  const int code = r.run->end() == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
+  return options.unchecked ? code : judged(r, folder, options, code);
 }
 
 /// Particles that hang on nothing are most often not meant.
-void tell_lonely_particles(const dem::Assembly& assembly)
+void tell_loose_particles(RunInProgress& r)
 {
-  std::vector<bool> bonded(assembly.particles.size());
-  for (const auto& ends : assembly.bonds.ends)
-    for (const dem::Index end : ends)
-      bonded[end] = true;
-  const auto first = std::ranges::find(bonded, false);
-  if (first != bonded.end())
-    say(fmt::format("  note: {} of the particles have no bond; the first is particle {}",
-                    std::ranges::count(bonded, false), first - bonded.begin()));
+  constexpr std::size_t most_named = 10;
+  const std::vector<dem::Index>& loose = r.specimen.loose;
+  if (loose.empty())
+    return;
+  const auto named = std::span(loose).first(std::min(loose.size(), most_named));
+  say(r, fmt::format("  note: {} of the particles hang on nothing: {}{}", loose.size(),
+                     fmt::join(named, ", "), loose.size() > most_named ? ", ..." : ""));
+}
+
+/// Threads meet after each step, which takes as long as some hundred bonds.
+int useful_threads(const dem::Assembly& assembly, int n_threads)
+{
+  constexpr std::size_t bonds_per_thread = 100;
+  const std::size_t most = std::max<std::size_t>(1, assembly.bonds.size() / bonds_per_thread);
+  return int(std::min(most, std::size_t(n_threads)));
 }
 
 /// Where estimated numbers are in use, the user is told.
-void tell_estimates(const LoadedScene& scene)
+void tell_estimates(RunInProgress& r)
 {
-  const std::string list = estimated_keys(scene);
+  const std::string list = estimated_keys(r.scene);
   if (!list.empty())
-    say("  preset 'estimate': estimates, not the paper's tables, stand for " + list);
+    say(r, "  preset 'estimate': estimates, not the paper's tables, stand for " + list);
+}
+
+/// Runs a scene without errors.
+int run_accepted(LoadedScene scene, const RunOptions& options)
+{
+  const std::filesystem::path folder = result_folder(scene);
+  require_writable(folder);
+  const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
+  if (options.packing && !generated)
+    throw std::invalid_argument("--packing: the scene reads its particles from a file already "
+                                "(Source = file)");
+  RunInProgress r;
+  say(r, scene.name + (scene.scene->title.empty() ? "" : ": " + scene.scene->title));
+  r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
+                              : make_packing(scene);
+  r.scene = std::move(scene);
+  start_run(r, options);
+  return finish(r, folder, options);
+}
+
+/// How a run failed; `any` if it did not.
+struct Failure {
+  ExpectedEnd end;
+  std::string message;
+  int exit_code;
+};
+
+Failure failure_of(LoadedScene scene, const RunOptions& options)
+{
+  std::string wrong;
+  for (const Diagnostic& each : scene.diagnostics)
+    if (each.kind == Diagnostic::Kind::error)
+      wrong += each.message + '\n';
+  if (!wrong.empty())
+    return {ExpectedEnd::refused, wrong, exit_input};
+  try {
+    return {ExpectedEnd::any, "", run_accepted(std::move(scene), options)};
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return {ExpectedEnd::refused, error.what(), exit_input};
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return {ExpectedEnd::failed, error.what(), exit_failure};
+  }
 }
 
 } // namespace
@@ -197,39 +266,37 @@ void start_run(RunInProgress& r, const RunOptions& options)
     throw std::invalid_argument(fmt::format("Solver = {} takes no Temperature history; use "
                                             "quasistatic",
                                             name_of(r.decision.solver)));
-  r.n_threads = options.n_threads;
+  r.n_threads = useful_threads(r.specimen.assembly, options.n_threads);
   const auto start = std::chrono::steady_clock::now(); // the first factorisation is work, too
-  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, options.n_threads);
+  r.run = make_run(r.decision.solver, scene, r.specimen.assembly, r.loading, r.n_threads);
   r.wall_time_before =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  say(fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
+  say(r,
+      fmt::format("  {} particles, {} bonds; solver {}: {}", r.packing.particles.size(),
                   r.specimen.assembly.bonds.size(), name_of(r.decision.solver), r.decision.reason));
   if (r.specimen.assembly.strengths && r.specimen.assembly.strengths->n_nonpositive > 0)
-    say(fmt::format("  {} of the strengths were drawn at or below 0; 'Nonpositive draws' says what "
+    say(r,
+        fmt::format("  {} of the strengths were drawn at or below 0; 'Nonpositive draws' says what "
                     "they become",
                     r.specimen.assembly.strengths->n_nonpositive));
-  tell_lonely_particles(r.specimen.assembly);
-  tell_estimates(r.scene);
+  tell_loose_particles(r);
+  tell_estimates(r);
 }
 
 int run_scene(LoadedScene scene, const RunOptions& options)
 {
   print_diagnostics(scene.diagnostics);
-  if (scene.has_errors())
-    return exit_input;
+  const Expectations expect = scene.scene->expect;
+  const bool failure_expected =
+      expect.end == ExpectedEnd::refused || expect.end == ExpectedEnd::failed;
+  if (options.unchecked || !failure_expected)
+    return scene.has_errors() ? int(exit_input) : run_accepted(std::move(scene), options);
   const std::filesystem::path folder = result_folder(scene);
-  require_writable(folder);
-  const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
-  if (options.packing && !generated)
-    throw std::invalid_argument("--packing: the scene reads its particles from a file already "
-                                "(Source = file)");
-  say(fmt::format("{}{}", scene.name, scene.scene->title.empty() ? "" : ": " + scene.scene->title));
-  RunInProgress r;
-  r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
-                              : make_packing(scene);
-  r.scene = std::move(scene);
-  start_run(r, options);
-  return finish(r, folder, options);
+  const Failure failure = failure_of(std::move(scene), options);
+  if (failure.end == ExpectedEnd::any)
+    return failure.exit_code;
+  const bool met = report_checks(check_failure(expect, failure.end, failure.message), folder);
+  return met ? failure.exit_code : int(exit_not_met);
 }
 
 int resume_run(const std::filesystem::path& file, const RunOptions& options)

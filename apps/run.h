@@ -13,6 +13,7 @@ namespace apps {
 /// Exit codes of the program.
 enum ExitCode {
   exit_ok = 0,
+  exit_not_met = 1,         ///< the run came to its end, but not as its section Expect says
   exit_input = 2,           ///< something in the input
   exit_failure = 3,         ///< a computation or a file operation failed
   exit_interrupted = 4,     ///< stopped with a checkpoint
@@ -26,6 +27,7 @@ struct RunOptions {
   int n_threads = 1; ///< of the explicit solver; runs at a time in a study
   bool quiet = false;
   bool for_parent = false; ///< progress in lines for a study
+  bool unchecked = false;  ///< without the sections Expect and Repeat
 };
 
 /// A run that can be interrupted: what it is made of and how far it is.
@@ -41,6 +43,7 @@ struct RunInProgress {
   std::string files_fingerprint; ///< of the particle and bond files, when they were read
   double wall_time_before = 0; ///< of the solver's preparation and of earlier parts of the run [s]
   int n_threads = 1;
+  std::vector<std::string> log; ///< what was said
 };
 
 /// Folder for the results of a scene.

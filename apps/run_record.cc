@@ -1,5 +1,7 @@
 #include "apps/run_record.h"
 
+#include "apps/text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -190,6 +192,15 @@ std::string csv(const std::vector<Column>& columns)
     text += '\n';
   }
   return text;
+}
+
+std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group)
+{
+  std::vector<Column> columns;
+  for (const std::string& name : split(file.text_attribute(group, "columns"), ','))
+    columns.push_back({name, file.text_attribute(group + "/" + name, "unit"),
+                       file.read_doubles(group + "/" + name)});
+  return columns;
 }
 
 void write_snapshot(dem::Hdf5File& file, const std::string& group, const Snapshot& snapshot)

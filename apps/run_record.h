@@ -54,6 +54,9 @@ std::vector<Column> bond_columns(const std::vector<std::array<dem::Index, 2>>& e
 /// A table as CSV with full precision.
 std::string csv(const std::vector<Column>& columns);
 
+/// Columns of a stored table.
+std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group);
+
 void write_record(dem::Hdf5File& file, const std::string& group, const RunRecord& record);
 RunRecord read_record(const dem::Hdf5File& file, const std::string& group);
 

@@ -110,9 +110,9 @@ void declare_law(Schema& s, BondLawInput& v)
       "Kelvin stiffness", v.kelvin_stiffness, "N/m", "5.0e5 N/m", at_least(0),
       "Springs of the Kelvin branches (K_k, bur_knk), one per branch; one branch makes the "
       "Burgers law.");
-  s.quantities("Kelvin viscosity", v.kelvin_viscosity, "N s/m", "8.4e6 N s/m", above(0),
+  s.quantities("Kelvin viscosity", v.kelvin_viscosity, "N s/m", "8.4e6 N s/m", at_least(0),
                "Dashpots of the Kelvin branches (C_k, bur_cnk); retardation time = viscosity / "
-               "stiffness.");
+               "stiffness; 0: the spring acts at once.");
   s.number("Normal to shear ratio", v.normal_to_shear, "11", above(0),
            "N/S: shear and torsion have all constants of the normal direction divided by it.");
   s.number("Radius multiplier", v.radius_multiplier, "1", Bounds{0, 10, false, true},
@@ -321,6 +321,8 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
   declare_dynamic(schema, scene);
   declare_output(schema, scene.output);
   declare_study(schema, scene.study);
+  declare(schema, scene.expect);
+  declare(schema, scene.repeat);
 }
 
 bool LoadedScene::has_errors() const
@@ -369,6 +371,11 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   declare(*loaded.schema, *loaded.scene, law_names(scanned.entries));
   for (Diagnostic& each : loaded.schema->apply(scanned.entries))
     loaded.diagnostics.push_back(std::move(each));
+  try {
+    read_expectations(loaded.scene->expect, *loaded.units);
+  } catch (const std::invalid_argument& problem) {
+    loaded.diagnostics.push_back({Diagnostic::Kind::error, "Expect", problem.what()});
+  }
   if (!loaded.has_errors())
     for (Diagnostic& each : check_consistency(*loaded.scene, *loaded.schema))
       loaded.diagnostics.push_back(std::move(each));

@@ -1,4 +1,5 @@
 #pragma once
+#include "apps/expectations.h"
 #include "apps/schema.h"
 #include "dem/dynamics.h"
 #include "dem/grading.h"
@@ -133,6 +134,9 @@ struct Scene {
     std::string vary;
     std::string values; ///< separated by commas, as typed
   } study;
+
+  Expectations expect;
+  RepeatedRun repeat;
 };
 
 /// Declares all keys of a scene and binds them to its members.

@@ -165,15 +165,20 @@ std::vector<dem::ParticleLoad> confining_loads(const Packing& packing, double ra
   return loads;
 }
 
-/// Before a solver finds out in its own words.
-void refuse_if_unsupported(const dem::Assembly& assembly)
+/// Refuses what cannot carry the load, before a solver finds out in its own words.
+/// \return the particles that nothing holds
+std::vector<dem::Index> loose_particles(const dem::Assembly& assembly)
 {
   const dem::ElasticNetwork network = dem::make_network(assembly);
   const std::vector<dem::BondStatus> intact(network.bonds.size(), dem::BondStatus::intact);
-  const std::string obstacle =
-      dem::equilibrium_obstacle(network, dem::find_pieces(network, intact));
+  const dem::Pieces pieces = dem::find_pieces(network, intact);
+  const std::string obstacle = dem::equilibrium_obstacle(network, pieces);
+  std::vector<dem::Index> loose;
+  for (std::size_t i = 0; i < pieces.piece.size(); ++i)
+    if (pieces.of(dem::Index(i)) == dem::PieceHold::loose)
+      loose.push_back(dem::Index(i));
   if (obstacle.empty())
-    return;
+    return loose;
   const auto glued = [&](dem::Support support) {
     return std::ranges::count(assembly.support, support);
   };
@@ -275,8 +280,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
     assembly.strengths = drawn_strengths(scene, assembly.bonds.id);
   if (scene.load.test == TestKind::particle_loads) {
     if (packing.loads.empty())
-      throw std::invalid_argument(fmt::format("{}: Test = particle loads, but the file has no "
-                                              "loads (columns fx_N to mz_N_m)",
+      throw std::invalid_argument(fmt::format("{}: Test = particle loads, but no particle "
+                                              "is loaded (columns fx_N to mz_N_m)",
                                               packing.origin));
     if (!packing.support)
       throw std::invalid_argument(fmt::format("{}: particle loads need a column 'held' that says "
@@ -290,7 +295,7 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
     assembly.confinement = confining_loads(packing, diameter / 2, scene.load.confining_stress);
   assembly.gauge_length = v.gauge_length.value_or(packing.platens.high - packing.platens.low);
   dem::validate(assembly);
-  refuse_if_unsupported(assembly);
+  specimen.loose = loose_particles(assembly);
   return specimen;
 }
 

@@ -62,8 +62,9 @@ std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift);
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {
   dem::Assembly assembly;
-  double bond_gap;        ///< largest bonded gap over the smaller radius
-  double viscosity_shift; ///< a_T [-]
+  double bond_gap;               ///< largest bonded gap over the smaller radius
+  double viscosity_shift;        ///< a_T [-]
+  std::vector<dem::Index> loose; ///< particles that nothing holds and nothing loads
 };
 Specimen make_specimen(const LoadedScene& scene, const Packing& packing);
 

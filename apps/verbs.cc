@@ -60,16 +60,6 @@ std::vector<std::filesystem::path> result_folders(const std::string& name)
   return folders;
 }
 
-/// Columns of a group.
-std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group)
-{
-  std::vector<Column> columns;
-  for (const std::string& name : split(file.text_attribute(group, "columns"), ','))
-    columns.push_back({name, file.text_attribute(group + "/" + name, "unit"),
-                       file.read_doubles(group + "/" + name)});
-  return columns;
-}
-
 /// Group of the snapshot nearest to a time; says so if it is not that time.
 std::string snapshot_group(const dem::Hdf5File& file, const std::string& time)
 {

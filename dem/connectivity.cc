@@ -125,7 +125,7 @@ std::string equilibrium_obstacle(const ElasticNetwork& network, const Pieces& pi
     return "all particles are held: there is nothing to move";
   for (std::size_t i = 0; i < pieces.piece.size(); ++i)
     if (pieces.of(Index(i)) == PieceHold::dropped)
-      return fmt::format("particle {} is loaded, but nothing holds the piece it belongs to", i);
+      return fmt::format("particle {} is part of a piece that is loaded, but nothing holds it", i);
   return {};
 }
 

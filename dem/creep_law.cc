@@ -165,14 +165,21 @@ double creep_compliance_rate(const CreepLaw& law, double t)
   return sum;
 }
 
+double mean_creep_compliance(const CreepLaw& law, double begin, double length)
+{
+  double sum = 1 / law.maxwell_stiffness;
+  if (law.maxwell_viscosity)
+    sum += (begin + length / 2) / *law.maxwell_viscosity;
+  for (const KelvinBranch& branch : law.branches) {
+    const double x = begin * retardation_rate(branch), y = length * retardation_rate(branch);
+    sum += (begin * phi1(x) + std::exp(-x) * length * phi2(y)) / branch.viscosity;
+  }
+  return sum;
+}
+
 double creep_compliance_integral(const CreepLaw& law, double t)
 {
-  double sum = t / law.maxwell_stiffness;
-  if (law.maxwell_viscosity)
-    sum += t * t / (2 * *law.maxwell_viscosity);
-  for (const KelvinBranch& branch : law.branches)
-    sum += t * t / branch.viscosity * phi2(t * retardation_rate(branch));
-  return sum;
+  return t * mean_creep_compliance(law, 0, t);
 }
 
 std::complex<double> complex_compliance(const CreepLaw& law, double omega)
@@ -190,6 +197,7 @@ std::complex<double> complex_compliance(const CreepLaw& law, double omega)
 
 std::vector<RelaxationMode> relaxation_spectrum(const CreepLaw& law)
 {
+  constexpr double margin = 1 + 1e-9; // roots at the end of their interval stay inside
   const std::vector<Pole> pole = poles(law);
   std::vector<RelaxationMode> spectrum;
   if (!law.maxwell_viscosity) {
@@ -211,7 +219,7 @@ std::vector<RelaxationMode> relaxation_spectrum(const CreepLaw& law)
     const bool left = last || middle > 0;
     const std::size_t origin = left ? j : j + 1;
     const int side = left ? 1 : -1;
-    const double distance = root_distance(law, pole, origin, side, 0.5 * width);
+    const double distance = root_distance(law, pole, origin, side, 0.5 * margin * width);
     spectrum.push_back(mode_at(pole, origin, side, distance));
   }
   return spectrum;
@@ -225,12 +233,17 @@ double relaxation(std::span<const RelaxationMode> spectrum, double t)
   return sum;
 }
 
-double relaxation_integral(std::span<const RelaxationMode> spectrum, double t)
+double mean_relaxation(std::span<const RelaxationMode> spectrum, double begin, double length)
 {
   double sum = 0;
   for (const auto& [rate, stiffness] : spectrum)
-    sum += stiffness * t * phi1(rate * t);
+    sum += stiffness * std::exp(-rate * begin) * phi1(rate * length);
   return sum;
+}
+
+double relaxation_integral(std::span<const RelaxationMode> spectrum, double t)
+{
+  return t * mean_relaxation(spectrum, 0, t);
 }
 
 CreepLaw with_viscosities_scaled(CreepLaw law, double factor)

@@ -43,6 +43,10 @@ double creep_compliance(const CreepLaw& law, double t);
 /// dJ/dt [m/(N s)] for t > 0.
 double creep_compliance_rate(const CreepLaw& law, double t);
 
+/// Mean of J from begin to begin + length [m/N]: displacement after a force that grew evenly by 1
+/// N, for a time `length` that ended `begin` ago. No digits are lost however short the growth was.
+double mean_creep_compliance(const CreepLaw& law, double begin, double length);
+
 /// Integral of J from 0 to t [m s/N]: displacement under a force that grows by 1 N/s.
 double creep_compliance_integral(const CreepLaw& law, double t);
 
@@ -65,6 +69,10 @@ std::vector<RelaxationMode> relaxation_spectrum(const CreepLaw& law);
 
 /// R(t) [N/m]: force after a unit displacement applied at t = 0.
 double relaxation(std::span<const RelaxationMode> spectrum, double t);
+
+/// Mean of R from begin to begin + length [N/m]: force after a displacement that grew evenly by 1
+/// m.
+double mean_relaxation(std::span<const RelaxationMode> spectrum, double begin, double length);
 
 /// Integral of R from 0 to t [N s/m]: force while the displacement grows by 1 m/s.
 double relaxation_integral(std::span<const RelaxationMode> spectrum, double t);

@@ -1,5 +1,6 @@
 #include "dem/linear.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -7,23 +8,23 @@ namespace dem {
 
 namespace {
 
-/// Sum over the steps and ramps of a loading before a time: step * kernel + ramp * integral.
-template <typename Kernel, typename Integral>
-double superposition(const Loading& loading, double time, Kernel&& kernel, Integral&& integral)
+/// Sum over the steps and ramps of a loading before a time, each by what it adds to the load: times
+/// the kernel, or the mean of the kernel over the ramp.
+template <typename Kernel, typename Mean>
+double superposition(const Loading& loading, double time, Kernel&& kernel, Mean&& mean)
 {
-  double sum = 0, value = 0, slope = 0;
+  double sum = 0, value = 0;
   const std::vector<LoadPoint>& points = loading.points;
   for (std::size_t k = 0; k < points.size() && points[k].time <= time; ++k) {
-    const double since = time - points[k].time;
-    const bool last = k + 1 == points.size();
-    const double length = last ? 0 : points[k + 1].time - points[k].time;
-    const double next_slope = length > 0 ? (points[k + 1].value - points[k].value) / length : 0.0;
-    const bool step = k == 0 || points[k].time == points[k - 1].time;
-    if (step)
-      sum += (points[k].value - value) * kernel(since);
-    sum += (next_slope - slope) * integral(since);
-    value = points[k].value;
-    slope = next_slope;
+    const auto& [begin, load] = points[k];
+    if (k == 0 || begin == points[k - 1].time)
+      sum += (load - value) * kernel(time - begin);
+    value = load;
+    if (k + 1 == points.size() || points[k + 1].time <= begin || time <= begin)
+      continue;
+    const double length = points[k + 1].time - begin, gone = std::min(length, time - begin);
+    sum += (points[k + 1].value - load) * (gone / length) * mean(time - begin - gone, gone);
+    value = points[k + 1].value;
   }
   return sum;
 }
@@ -107,12 +108,16 @@ LinearResponse linear_response(const LinearModel& model, const Loading& loading,
   if (loading.control == Loading::Control::displacement)
     return {superposition(
                 loading, time, [&](double t) { return relaxation(model.spectrum, t); },
-                [&](double t) { return relaxation_integral(model.spectrum, t); }) /
+                [&](double begin, double length) {
+                  return mean_relaxation(model.spectrum, begin, length);
+                }) /
                 model.compliance,
             prescribed};
   const double creep = superposition(
       loading, time, [&](double t) { return creep_compliance(model.creep, t); },
-      [&](double t) { return creep_compliance_integral(model.creep, t); });
+      [&](double begin, double length) {
+        return mean_creep_compliance(model.creep, begin, length);
+      });
   return {prescribed, model.compliance * creep};
 }
 

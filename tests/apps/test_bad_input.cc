@@ -154,7 +154,7 @@ const BadInput cases[] = {
      "particles.csv",
      head + "0,0,2,2,top\n",
      "particles.csv:3: the sphere overlaps the one at particles.csv:2 by more than a tenth "
-     "of the smaller radius"},
+     "of the smaller radius; if that is meant, set Accept unusual values = true"},
     {"BondToNobody",
      {},
      "bonds.csv",

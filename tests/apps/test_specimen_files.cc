@@ -155,13 +155,14 @@ TEST(ParticleFile, RefusesDeepOverlapsAndCoincidentCentres)
   EXPECT_EQ(particle_refusal(head + "0,0,5.81,2,top\n"), "");
   EXPECT_EQ(particle_refusal(head + "0,0,5.79,2,top\n"),
             "particles.csv:3: the sphere overlaps the one at particles.csv:2 by more than a tenth "
-            "of the smaller radius");
+            "of the smaller radius; if that is meant, set Accept unusual values = true");
   EXPECT_EQ(particle_refusal(head + "0,0,2,2,top\n0,0,2,2,top\n"),
             "particles.csv:3: the sphere overlaps the one at particles.csv:2 by more than a tenth "
-            "of the smaller radius; there are 3 such pairs");
+            "of the smaller radius; there are 3 such pairs; if that is meant, set Accept unusual "
+            "values = true");
   EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,900,900,bottom\n0,0,901,1,top\n"),
             "particles.csv:3: the sphere overlaps the one at particles.csv:2 by more than a tenth "
-            "of the smaller radius");
+            "of the smaller radius; if that is meant, set Accept unusual values = true");
 }
 
 TEST(ParticleFile, MustExistAndHaveAKnownEnding)
@@ -257,11 +258,12 @@ TEST(Specimen, RefusesLoadsThatNothingCarries)
       "the specimen cannot carry the load: no chain of bonds connects the platens any more (2 "
       "particles, 1 bonds, 0 particles glued to the lower platen, 1 to the upper one)");
   const Settings by_particles{"Loading/Test = particle loads"};
-  EXPECT_EQ(particle_refusal("x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,free,0\n0,0,6,2,free,1\n",
-                             by_particles),
-            "the specimen cannot carry the load: particle 0 is loaded, but nothing holds the piece "
-            "it belongs to (2 particles, 1 bonds, 0 particles glued to the lower platen, 0 to the "
-            "upper one)");
+  EXPECT_EQ(
+      particle_refusal("x_mm,y_mm,z_mm,r_mm,held,fz_N\n0,0,2,2,free,0\n0,0,6,2,free,1\n",
+                       by_particles),
+      "the specimen cannot carry the load: particle 0 is part of a piece that is loaded, but "
+      "nothing holds it (2 particles, 1 bonds, 0 particles glued to the lower platen, 0 to the "
+      "upper one)");
 }
 
 TEST(Specimen, RefusesParticleLoadsThatAreIncomplete)
@@ -269,7 +271,7 @@ TEST(Specimen, RefusesParticleLoadsThatAreIncomplete)
   const Settings by_particles{"Loading/Test = particle loads"};
   EXPECT_EQ(
       particle_refusal("x_mm,y_mm,z_mm,r_mm,held\n0,0,2,2,bottom\n0,0,6,2,free\n", by_particles),
-      "particles.csv: Test = particle loads, but the file has no loads (columns fx_N to "
+      "particles.csv: Test = particle loads, but no particle is loaded (columns fx_N to "
       "mz_N_m)");
   EXPECT_EQ(
       particle_refusal("x_mm,y_mm,z_mm,r_mm,fz_N\n0,0,2,2,0\n0,0,6,2,1\n", by_particles),

@@ -82,6 +82,16 @@ TEST(CreepLaw, SpectrumOfManyBranchesMatchesTheTable)
   }
 }
 
+TEST(CreepLaw, SpectrumOfASpringAndADashpotIsOneMode)
+{
+  for (double viscosity = 1e-3; viscosity < 1e12; viscosity *= 1.37) {
+    const auto spectrum = relaxation_spectrum(make_creep_law(1e6, viscosity, {}));
+    ASSERT_EQ(spectrum.size(), 1U);
+    expect_close(spectrum[0].rate, 1e6 / viscosity, 1e-14, "rate");
+    expect_close(spectrum[0].stiffness, 1e6, 1e-14, "stiffness");
+  }
+}
+
 TEST(CreepLaw, SpectrumKeepsItsIdentities)
 {
   for (const CreepLaw& law : {laws::burgers_set("asphalt"), laws::wide()}) {
