@@ -40,8 +40,8 @@ Packing stored_packing(const dem::Hdf5File& file, const LoadedScene& scene)
 SolverDecision stored_decision(const dem::Hdf5File& file)
 {
   const std::string solver = file.text_attribute("scene", "solver");
-  for (const SolverChoice each :
-       {SolverChoice::linear, SolverChoice::events, SolverChoice::dynamic})
+  for (const SolverChoice each : {SolverChoice::linear, SolverChoice::events,
+                                  SolverChoice::quasistatic, SolverChoice::dynamic})
     if (name_of(each) == solver)
       return {each, file.text_attribute("scene", "solver_reason")};
   throw std::runtime_error(fmt::format("there is no solver '{}'", solver));

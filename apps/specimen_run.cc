@@ -3,11 +3,13 @@
 #include "apps/climbing_run.h"
 #include "apps/events_run.h"
 #include "apps/linear_run.h"
+#include "apps/load_case.h"
 #include "apps/quasistatic_run.h"
 #include "apps/specimen.h"
 #include "apps/stopwatch.h"
 #include "dem/dynamics.h"
 #include "dem/events.h"
+#include "dem/linear.h"
 #include "dem/storage.h"
 
 #include <fmt/format.h>
@@ -104,6 +106,26 @@ private:
   dem::DynamicState state_;
 };
 
+/// The cheapest rung for a specimen whose bonds all hold.
+SolverDecision intact_decision(const Scene& scene, const dem::Assembly& assembly,
+                               const dem::Loading& loading, const std::string& reason)
+{
+  if (!dem::loaded_by_platen(assembly) ||
+      assembly.particles.size() > dem::most_factored_particles) // too many to climb with
+    return {SolverChoice::linear, reason};
+  const dem::LinearModel model = dem::make_linear_model(assembly);
+  double largest = 0;
+  for (const double time : history_times(scene, loading))
+    largest = std::max(largest, std::abs(dem::linear_response(model, loading, time).displacement) /
+                                    model.gauge_length);
+  if (largest <= scene.small_strain)
+    return {SolverChoice::linear, reason};
+  return {SolverChoice::events,
+          fmt::format("{}, but the strain reaches {:.2g} %; above {:g} % the quasi-static solver "
+                      "takes over",
+                      reason, 100 * largest, 100 * scene.small_strain)};
+}
+
 /// True if a bond breaks under the load, by the event solver.
 bool breaks_bonds(const Scene& scene, const dem::Assembly& assembly, const dem::Loading& loading)
 {
@@ -138,6 +160,7 @@ SolverDecision choose_solver(const Scene& scene, const dem::Assembly& assembly,
                              const dem::Loading& loading)
 {
   const bool proportional = dem::proportional_laws(assembly.laws).has_value();
+  const std::string hold = "laws are proportional and no bond reaches its strength";
   const std::string several = "the bonds follow several laws that are not proportional, so that "
                               "their forces depend on history";
   if (scene.solver == SolverChoice::linear && !proportional)
@@ -156,16 +179,17 @@ SolverDecision choose_solver(const Scene& scene, const dem::Assembly& assembly,
     return {SolverChoice::quasistatic, "the lateral surface is under stress"};
   if (scene.after_breakage == dem::AfterBreakage::friction && assembly.strengths) {
     if (!loading.true_stress && !breaks_bonds(scene, assembly, loading))
-      return {SolverChoice::linear, "laws are proportional and no bond reaches its strength"};
+      return intact_decision(scene, assembly, loading, hold);
     return {SolverChoice::quasistatic, "bonds break and keep friction"};
   }
   if (loading.true_stress)
     return {SolverChoice::events, "laws are proportional; the force follows the strain (true "
                                   "stress)"};
   if (!assembly.strengths)
-    return {SolverChoice::linear, "laws are proportional and bonds do not break"};
+    return intact_decision(scene, assembly, loading,
+                           "laws are proportional and bonds do not break");
   if (!breaks_bonds(scene, assembly, loading))
-    return {SolverChoice::linear, "laws are proportional and no bond reaches its strength"};
+    return intact_decision(scene, assembly, loading, hold);
   return {SolverChoice::events,
           fmt::format(
               "laws are proportional, bonds break and leave no friction; above a strain of {:g} % "

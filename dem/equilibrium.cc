@@ -16,7 +16,7 @@ constexpr double loose = 100;
 constexpr int plain_iterations = 6;
 constexpr int most_shortenings = 7;
 /// Below, waking a thread takes longer than the work.
-constexpr Index links_worth_threads = 2000;
+constexpr Index links_worth_threads = 50'000;
 
 /// Relative residual to which a Newton step is solved.
 double linear_tolerance(double residual, double wanted)
@@ -124,11 +124,6 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
         problem.tolerance * std::max(result.largest_force, problem.external.size() > 0
                                                                ? 1e-3 * problem.external.norm()
                                                                : 0.0);
-    static const bool debug = getenv("QDEBUG"); // DBG
-    if (debug)
-      fprintf(stderr, "   it %d res %.3e wanted %.3e its %ld fact %ld worst %d\n",
-              result.n_iterations, residual.largest, wanted, factor_.statistics().n_iterations,
-              factor_.statistics().n_factorisations, result.worst_body); // DBG
     if (!std::isfinite(residual.largest))
       return result;
     if (residual.largest <= wanted) {
@@ -143,8 +138,6 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
         factor_.solve(matrix_, *problem.body_links, dofs_, residual.force,
                       linear_tolerance(residual.largest, wanted), problem.stiffness,
                       n_links > links_worth_threads ? n_threads_ : 1);
-    if (debug && !direction)
-      fprintf(stderr, "  NO DIRECTION\n"); // DBG
     if (!direction)
       return result;
     const double slope = residual.force.dot(*direction), before = residual.force.norm();

@@ -49,38 +49,56 @@ void with_width(int width, Work&& work)
 }
 
 /// Solves the triangle of a strip forwards; Number is double or Lanes.
-template <int width, typename Number>
-std::array<Number, width> solve_triangle(const double* triangle, Number* front)
+template <int width, typename Number, typename Stored>
+std::array<Number, width> solve_triangle(const Stored* triangle, Number* front)
 {
   std::array<Number, width> x;
   for (int a = 0; a < width; ++a) {
     x[a] = front[a];
     for (int b = 0; b < a; ++b)
-      x[a] -= triangle[strip_width * a + b] * x[b];
-    front[a] = x[a] = x[a] * triangle[strip_width * a + a];
+      x[a] -= double(triangle[strip_width * a + b]) * x[b];
+    front[a] = x[a] = x[a] * double(triangle[strip_width * a + a]);
   }
   return x;
 }
 
-double* huge_array(std::size_t n)
+template <typename Stored>
+Stored* huge_array(std::size_t n)
 {
   constexpr std::size_t page = std::size_t(1) << 21;
-  const std::size_t bytes = (n * sizeof(double) / page + 1) * page;
+  const std::size_t bytes = (n * sizeof(Stored) / page + 1) * page;
   void* memory = std::aligned_alloc(page, bytes);
   if (!memory)
     throw std::bad_alloc();
   ::madvise(memory, bytes, MADV_HUGEPAGE); // a wish: without it all is the same, but slower
-  return static_cast<double*>(memory);
+  return static_cast<Stored*>(memory);
+}
+
+Lanes eight(const double* values)
+{
+  Lanes result;
+  std::memcpy(&result, values, sizeof result);
+  return result;
+}
+
+Lanes eight(const float* values)
+{
+  typedef float HalfLanes __attribute__((vector_size(32)));
+  HalfLanes result;
+  std::memcpy(&result, values, sizeof result);
+  return __builtin_convertvector(result, Lanes);
 }
 
 } // namespace
 
-void FactorStrips::Free::operator()(double* p) const
+template <typename Stored>
+void FactorStrips<Stored>::Free::operator()(Stored* p) const
 {
   std::free(p);
 }
 
-FactorStrips::FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows)
+template <typename Stored>
+FactorStrips<Stored>::FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows)
     : n_columns_(std::move(n_columns)), n_rows_(std::move(n_rows)), first_{0}
 {
   std::size_t total = 0;
@@ -93,104 +111,109 @@ FactorStrips::FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows)
   }
   for (std::size_t k = 0; k < offset_.size(); ++k)
     offset_[k] = total - (k + 1 < offset_.size() ? offset_[k + 1] : total);
-  values_.reset(huge_array(total));
+  values_.reset(huge_array<Stored>(total));
 }
 
-void FactorStrips::store(int s, const double* block)
+template <typename Stored>
+void FactorStrips<Stored>::store(int s, const double* block)
 {
   const int n = n_columns_[s], n_rows = n_rows_[s];
   for (int j = 0, k = 0; j < n; j += strip_width, ++k) {
     const int width = width_at(j, n), begin = j + width;
-    double* out = const_cast<double*>(strip(s, k));
+    Stored* out = const_cast<Stored*>(strip(s, k));
     for (int a = 0; a < width; ++a)
       for (int b = 0; b <= a; ++b) {
         const double value = block[std::size_t(j + b) * n_rows + j + a];
-        out[strip_width * a + b] = a == b ? 1 / value : value;
+        out[strip_width * a + b] = Stored(a == b ? 1 / value : value);
       }
     out += triangle_size;
     const double* column = block + std::size_t(j) * n_rows;
     int row = begin;
     for (; row + n_lanes <= n_rows; row += n_lanes)
       for (int a = 0; a < width; ++a, out += n_lanes)
-        std::memcpy(out, column + std::size_t(a) * n_rows + row, sizeof(Lanes));
+        std::copy_n(column + std::size_t(a) * n_rows + row, n_lanes, out);
     for (int a = 0; a < width && row < n_rows; ++a, out += n_lanes)
       for (int r = 0; r < n_lanes; ++r)
-        out[r] = row + r < n_rows ? column[std::size_t(a) * n_rows + row + r] : 0.0;
+        out[r] = Stored(row + r < n_rows ? column[std::size_t(a) * n_rows + row + r] : 0.0);
   }
 }
 
-void FactorStrips::eliminate(int s, double* front) const
+template <typename Stored>
+void FactorStrips<Stored>::eliminate(int s, double* front) const
 {
   const int n = n_columns_[s];
   for (int j = 0, k = 0; j < n; j += strip_width, ++k)
     with_width(width_at(j, n), [&](auto constant) {
       constexpr int width = constant;
-      const double* values = strip(s, k);
+      const Stored* values = strip(s, k);
       const auto x = solve_triangle<width>(values, front + j);
-      const auto* column = reinterpret_cast<const Lanes*>(values + triangle_size);
+      const Stored* column = values + triangle_size;
       double* rest = front + j + width;
       const int chunks = n_chunks(j, width, n_rows_[s]);
-      for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width) {
-        Lanes r;
-        std::memcpy(&r, rest, sizeof r);
+      for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {
+        Lanes r = eight(rest);
         for (int a = 0; a < width; ++a)
-          r -= column[a] * x[a];
+          r -= eight(column + n_lanes * a) * x[a];
         std::memcpy(rest, &r, sizeof r);
       }
     });
 }
 
-void FactorStrips::eliminate(int s, Lanes* front) const
+template <typename Stored>
+void FactorStrips<Stored>::eliminate(int s, Lanes* front) const
 {
   const int n = n_columns_[s];
   for (int j = 0, k = 0; j < n; j += strip_width, ++k)
     with_width(width_at(j, n), [&](auto constant) {
       constexpr int width = constant;
-      const double* values = strip(s, k);
+      const Stored* values = strip(s, k);
       const auto x = solve_triangle<width>(values, front + j);
-      const double* column = values + triangle_size;
-      const double* next = k + 1 < n_strips(s) ? strip(s, k + 1) : values;
+      const Stored* column = values + triangle_size;
+      const Stored* next = k + 1 < n_strips(s) ? strip(s, k + 1) : values;
       Lanes* rest = front + j + width;
       const int chunks = n_chunks(j, width, n_rows_[s]);
       for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {
         for (int a = 0; a < width; ++a)
           __builtin_prefetch(next + n_lanes * (c * width + a));
         for (int r = 0; r < n_lanes; ++r) {
-          Lanes sum = column[r] * x[0];
+          Lanes sum = double(column[r]) * x[0];
           for (int a = 1; a < width; ++a)
-            sum += column[n_lanes * a + r] * x[a];
+            sum += double(column[n_lanes * a + r]) * x[a];
           rest[r] -= sum;
         }
       }
     });
 }
 
-void FactorStrips::substitute(int s, double* front) const
+template <typename Stored>
+void FactorStrips<Stored>::substitute(int s, double* front) const
 {
   const int n = n_columns_[s];
   for (int k = n_strips(s) - 1; k >= 0; --k) {
     const int j = k * strip_width;
     with_width(width_at(j, n), [&](auto constant) {
       constexpr int width = constant;
-      const double* triangle = strip(s, k);
-      const auto* column = reinterpret_cast<const Lanes*>(triangle + triangle_size);
+      const Stored* triangle = strip(s, k);
+      const Stored* column = triangle + triangle_size;
       const double* rest = front + j + width;
       std::array<Lanes, width> sum{};
       const int chunks = n_chunks(j, width, n_rows_[s]);
-      for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width) {
-        Lanes r;
-        std::memcpy(&r, rest, sizeof r);
+      for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {
+        const Lanes r = eight(rest);
         for (int a = 0; a < width; ++a)
-          sum[a] += column[a] * r;
+          sum[a] += eight(column + n_lanes * a) * r;
       }
       for (int a = width - 1; a >= 0; --a) {
         double x = front[j + a] - sum_of(sum[a]);
         for (int b = a + 1; b < width; ++b)
-          x -= triangle[strip_width * b + a] * front[j + b];
-        front[j + a] = x * triangle[strip_width * a + a];
+          x -= double(triangle[strip_width * b + a]) * front[j + b];
+        front[j + a] = x * double(triangle[strip_width * a + a]);
       }
     });
   }
 }
+
+template class FactorStrips<double>;
+template class FactorStrips<float>;
 
 } // namespace dem

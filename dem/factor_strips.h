@@ -7,6 +7,9 @@
 
 namespace dem {
 
+/// Zeros after a front.
+constexpr int front_padding = n_lanes;
+
 /// The supernodes of a Cholesky factor L, in the layout that triangular solves read fastest.
 ///
 /// Four neighbouring columns of a supernode make a strip: their triangle (reciprocal diagonal),
@@ -14,11 +17,13 @@ namespace dem {
 /// them, in huge pages where the system has them, so that it is one stream through memory.
 ///
 /// A "front" is a vector over the rows of one supernode, its own columns first, followed by
-/// `padding` entries that are zero.
+/// `front_padding` entries that are zero.
+///
+/// \tparam Stored  double, or float: half the memory to stream, for a factor that only
+///                 preconditions (relative error 6e-8 of each entry; sums are in double).
+template <typename Stored>
 class FactorStrips {
 public:
-  static constexpr int padding = n_lanes;
-
   /// \param n_columns  of each supernode; \param n_rows  of each, own columns included
   FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows);
 
@@ -34,10 +39,10 @@ public:
 
 private:
   struct Free {
-    void operator()(double* p) const;
+    void operator()(Stored* p) const;
   };
 
-  const double* strip(int supernode, int k) const
+  const Stored* strip(int supernode, int k) const
   {
     return values_.get() + offset_[first_[supernode] + k];
   }
@@ -46,7 +51,10 @@ private:
   std::vector<int> n_columns_, n_rows_;
   std::vector<std::size_t> first_;  ///< strip of each supernode, and their number
   std::vector<std::size_t> offset_; ///< of each strip in `values_`
-  std::unique_ptr<double[], Free> values_;
+  std::unique_ptr<Stored[], Free> values_;
 };
+
+extern template class FactorStrips<double>;
+extern template class FactorStrips<float>;
 
 } // namespace dem

@@ -24,7 +24,7 @@ void StaleFactor::analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   analysed_ = std::move(ends);
   pattern_ = link_pattern(analysed_, dofs);
-  factor_.emplace(*pattern_);
+  factor_.emplace(*pattern_, FactorPrecision::single_to_precondition);
   ++statistics_.n_analyses;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cholmod.h>
 #include <omp.h>
+#include <variant>
 
 #include <algorithm>
 #include <optional>
@@ -43,8 +44,18 @@ struct SupernodalFactor::Data {
   std::vector<int> position;     ///< of each unknown in the order of the factor
   std::vector<int> supernode_of; ///< of each column of the factor
   std::vector<int> parent;       ///< of each supernode, -1 at a root
-  std::optional<FactorStrips> strips;
+  std::variant<std::monostate, FactorStrips<double>, FactorStrips<float>> strips;
   mutable std::vector<Lanes> work; ///< scratch, zero between calls
+
+  /// Calls a function with the strips, whatever they are stored in.
+  template <typename Work>
+  void with_strips(Work&& use) const
+  {
+    if (const auto* full = std::get_if<FactorStrips<double>>(&strips))
+      use(*full);
+    else
+      use(std::get<FactorStrips<float>>(strips));
+  }
 
   explicit Data(const SymmetricPattern& p) : pattern(p)
   {
@@ -95,7 +106,7 @@ struct SupernodalFactor::Data {
   }
 };
 
-SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern)
+SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern, FactorPrecision precision)
     : data_(std::make_unique<Data>(pattern))
 {
   Data& d = *data_;
@@ -121,7 +132,10 @@ SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern)
     n_columns.push_back(d.n_columns(s));
     n_rows.push_back(int(d.rows(s).size()));
   }
-  d.strips.emplace(std::move(n_columns), std::move(n_rows));
+  if (precision == FactorPrecision::full)
+    d.strips.emplace<FactorStrips<double>>(std::move(n_columns), std::move(n_rows));
+  else
+    d.strips.emplace<FactorStrips<float>>(std::move(n_columns), std::move(n_rows));
 }
 
 SupernodalFactor::~SupernodalFactor() = default;
@@ -137,8 +151,14 @@ bool SupernodalFactor::factorise(std::span<const double> values)
     throw std::runtime_error("the factorisation failed: not enough memory");
   if (data_->common.status != CHOLMOD_OK)
     return false;
-  for (int s = 0; s < data_->n_supernodes(); ++s)
-    data_->strips->store(s, data_->block(s));
+  const auto store = [&](auto& strips) {
+    for (int s = 0; s < data_->n_supernodes(); ++s)
+      strips.store(s, data_->block(s));
+  };
+  if (auto* full = std::get_if<FactorStrips<double>>(&data_->strips))
+    store(*full);
+  else
+    store(std::get<FactorStrips<float>>(data_->strips));
   return true;
 }
 
@@ -163,10 +183,10 @@ SupernodalFactor::half_solve(std::span<const Index> rows,
   std::vector<Lanes> front;
   for (const int s : result.supernode) {
     const std::span<const int> row = d.rows(s);
-    front.assign(row.size() + FactorStrips::padding, no_lanes());
+    front.assign(row.size() + front_padding, no_lanes());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = work[row[r]];
-    d.strips->eliminate(s, front.data());
+    d.with_strips([&](const auto& strips) { strips.eliminate(s, front.data()); });
     const int n = d.n_columns(s);
     result.first_row.push_back(int(result.row.size()));
     result.row.insert(result.row.end(), front.begin(), front.begin() + n);
@@ -186,10 +206,10 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
   std::vector<double> front;
   for (int s = 0; s < d.n_supernodes(); ++s) {
     const std::span<const int> row = d.rows(s);
-    front.assign(row.size() + FactorStrips::padding, 0.0);
+    front.assign(row.size() + front_padding, 0.0);
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
-    d.strips->eliminate(s, front.data());
+    d.with_strips([&](const auto& strips) { strips.eliminate(s, front.data()); });
     for (std::size_t r = 0; r < row.size(); ++r)
       y[row[r]] = front[r];
   }
@@ -202,11 +222,11 @@ Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
   std::vector<double> front;
   for (int s = d.n_supernodes() - 1; s >= 0; --s) {
     const std::span<const int> row = d.rows(s);
-    front.resize(row.size() + FactorStrips::padding);
+    front.resize(row.size() + front_padding);
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
     std::fill(front.begin() + std::ptrdiff_t(row.size()), front.end(), 0.0);
-    d.strips->substitute(s, front.data());
+    d.with_strips([&](const auto& strips) { strips.substitute(s, front.data()); });
     std::copy_n(front.begin(), d.n_columns(s), y.data() + d.first_column(s));
   }
   Eigen::VectorXd x(y.size());

@@ -18,6 +18,12 @@ struct SymmetricPattern {
   int size() const { return int(column_start.size()) - 1; }
 };
 
+/// In what the triangular solves read the factor; the factorisation itself is in double.
+enum class FactorPrecision {
+  full,
+  single_to_precondition ///< relative error 6e-8: half the memory to read, refine what comes out
+};
+
 /// Cholesky factor of a sparse symmetric positive definite matrix, K = L L^T up to a permutation.
 ///
 /// CHOLMOD analyses (METIS ordering), factorises and stores L in supernodes. The triangular solves
@@ -28,7 +34,8 @@ struct SymmetricPattern {
 class SupernodalFactor {
 public:
   /// Symbolic analysis. It serves every matrix with this pattern or a part of it.
-  explicit SupernodalFactor(const SymmetricPattern& pattern);
+  explicit SupernodalFactor(const SymmetricPattern& pattern,
+                            FactorPrecision precision = FactorPrecision::full);
   ~SupernodalFactor();
   SupernodalFactor(SupernodalFactor&&) noexcept;
   SupernodalFactor& operator=(SupernodalFactor&&) noexcept;

@@ -88,7 +88,9 @@ TEST_P(Resume, GoesOnBitForBitAfterEachKindOfStop)
 
 INSTANTIATE_TEST_SUITE_P(Solvers, Resume,
                          ::testing::Values(Way{"events", "1"}, Way{"events", "2"},
-                                           Way{"dynamic", "1"}, Way{"dynamic", "2"}),
+                                           Way{"quasistatic", "1"}, Way{"quasistatic", "2"},
+                                           Way{"auto", "1"}, Way{"dynamic", "1"},
+                                           Way{"dynamic", "2"}),
                          [](const auto& way) {
                            return way.param.solver + way.param.threads + "Threads";
                          });

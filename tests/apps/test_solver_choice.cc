@@ -85,6 +85,27 @@ TEST(SolverChoice, AutoTakesTheCheapestThatIsExact)
             "linear: laws are proportional and bonds do not break");
 }
 
+TEST(SolverChoice, AutoClimbsFromAnIntactSpecimenThatStrainsTooMuch)
+{
+  const Settings unbroken{weak, "Strength/Distribution = none", "Small strain = 0.05 %"};
+  const std::string text = decision(unbroken);
+  EXPECT_TRUE(command::contains(text, "events: laws are proportional and bonds do not break, but "
+                                      "the strain reaches "))
+      << text;
+  const command::Folder folder;
+  networks::write_lattice(folder);
+  const Case c(folder, unbroken);
+  const auto rows = history(c, SolverChoice::events);
+  const auto linear = history(c, SolverChoice::linear);
+  ASSERT_EQ(rows.size(), linear.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double strain = std::abs(linear[k].strain);
+    EXPECT_NEAR(rows[k].strain, linear[k].strain, strain < 5e-4 ? 1e-12 : 3 * strain * strain);
+  }
+  EXPECT_GT(std::abs(linear.back().strain), 5e-4);
+  EXPECT_NE(rows.back().strain, linear.back().strain); // geometry has changed
+}
+
 TEST(SolverChoice, AutoLooksAtTheLaws)
 {
   const std::string law = "Bond law other/Classes = 0: 0";
