@@ -221,6 +221,8 @@ void declare_quasistatic(Schema& s, dem::QuasistaticSettings& v)
            "Viscous resistance of contacts to sliding and rolling within a step, over their "
            "stiffness, so that particles that hang loose do not drift; its share of the energy is "
            "reported.");
+  s.number("Passage limit", v.passage_limit, "1 %", Bounds{0, 10, false, true},
+           "A specimen that strains by so much without finding an equilibrium has ruptured.");
   s.choice<dem::Geometry>("Geometry", v.geometry,
                           {{"finite", dem::Geometry::finite}, {"small", dem::Geometry::small}},
                           "finite",

@@ -273,10 +273,24 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
   state.settled = false;
 }
 
+void QuasistaticSolver::end_if_ruptured(QuasistaticState& state) const
+{
+  const double gauge = model_->assembly.gauge_length, from = *state.passage_start / gauge,
+               to = state.path.back().displacement / gauge;
+  if (std::abs(to - from) < model_->settings.passage_limit)
+    return;
+  state.end = RunEnd::lost_equilibrium;
+  state.end_reason =
+      fmt::format("rupture at t = {:.6g} s: no equilibrium between {:.4g} % and {:.4g} % of strain",
+                  state.time(), 100 * std::abs(from), 100 * std::abs(to));
+}
+
 void QuasistaticSolver::pass_through(QuasistaticState& state, double duration,
                                      const Equilibrium& failed)
 {
   ++state.n_passages;
+  if (!state.passage_start)
+    state.passage_start = state.path.back().displacement;
   if (++state.passages_in_a_row <= most_passages)
     for (double hold = 1e-3; hold < 1e3; hold *= 10) {
       Trial trial = attempt(state, duration, hold);
@@ -284,6 +298,7 @@ void QuasistaticSolver::pass_through(QuasistaticState& state, double duration,
         continue;
       take(state, std::move(trial), duration == 0);
       state.settled = false;
+      end_if_ruptured(state);
       return;
     }
   state.end = RunEnd::lost_equilibrium;
@@ -397,6 +412,7 @@ void QuasistaticSolver::step_in_time(QuasistaticState& state)
     state = std::move(next);
     ++state.n_steps;
     state.passages_in_a_row = 0;
+    state.passage_start.reset();
     state.next_step = duration * std::clamp(std::min(by_strain, by_error), 0.3, growth);
     return break_or_go_on(state);
   }

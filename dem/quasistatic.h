@@ -52,6 +52,7 @@ struct QuasistaticState {
   StaleFactor::Wear wear;
   long n_steps = 0, n_rejected = 0, n_passages = 0;
   int passages_in_a_row = 0;
+  std::optional<double> passage_start; ///< displacement at the first passage since a step [m]
   RunEnd end = RunEnd::running;
   std::string end_reason;
 
@@ -86,6 +87,7 @@ private:
   void take(QuasistaticState& state, Trial&& trial, bool is_jump);
   void break_bonds(QuasistaticState& state);
   void break_or_go_on(QuasistaticState& state);
+  void end_if_ruptured(QuasistaticState& state) const;
   void pass_through(QuasistaticState& state, double duration, const Equilibrium& failed);
   std::vector<double> holds(const QuasistaticState& state, double everything,
                             double stiffness) const;

@@ -27,6 +27,8 @@ void validate(const QuasistaticSettings& settings)
           double(settings.breakage_batch));
   require(settings.residual_tolerance > 0 && settings.residual_tolerance < 1,
           "the residual tolerance must lie in (0, 1)", settings.residual_tolerance);
+  require(settings.passage_limit > 0, "the strain of a passage must be > 0",
+          settings.passage_limit);
   require(settings.regularisation > 0, "the regularisation must be > 0", settings.regularisation);
   require(settings.friction >= 0, "the friction must be >= 0", settings.friction);
 }

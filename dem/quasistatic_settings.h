@@ -17,6 +17,7 @@ struct QuasistaticSettings {
   double residual_tolerance = 1e-5; ///< out-of-balance force over the largest contact force [-]
   double regularisation = 1e-3;     ///< viscous resistance of contacts to sliding and rolling in a
                                     ///< step, over their stiffness [-]
+  double passage_limit = 0.01;      ///< strain without equilibrium that counts as rupture [-]
   double friction = 0.5;            ///< of contacts [-]
   AfterBreakage after_breakage = AfterBreakage::friction;
   Geometry geometry = Geometry::finite;

@@ -1,5 +1,7 @@
 #include "dem/storage.h"
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace dem {
@@ -138,6 +140,8 @@ void write_state(Hdf5File& file, const std::string& group, const QuasistaticStat
   file.set_attribute(group, "n_rejected", double(state.n_rejected));
   file.set_attribute(group, "n_passages", double(state.n_passages));
   file.set_attribute(group, "passages_in_a_row", double(state.passages_in_a_row));
+  file.set_attribute(group, "passage_start_m",
+                     state.passage_start.value_or(std::numeric_limits<double>::quiet_NaN()));
   file.set_attribute(group, "end", double(state.end));
   file.set_attribute(group, "end_reason", state.end_reason);
 }
@@ -166,6 +170,8 @@ QuasistaticState read_quasistatic_state(const Hdf5File& file, const std::string&
   state.n_rejected = long(number("n_rejected"));
   state.n_passages = long(number("n_passages"));
   state.passages_in_a_row = int(number("passages_in_a_row"));
+  if (const double from = number("passage_start_m"); !std::isnan(from))
+    state.passage_start = from;
   state.end = RunEnd(int(number("end")));
   state.end_reason = file.text_attribute(group, "end_reason");
   return state;
