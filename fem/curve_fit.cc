@@ -53,7 +53,7 @@ struct Solution {
   TemperatureShift shift;
   std::vector<FittedParameter> parameters;
   VectorXd residuals;
-  int n_parameters;
+  int n_parameters; ///< of which the moved times of a series are not reported
   bool instantaneous_at_bound = false;
   bool converged = true;
 };
@@ -78,13 +78,27 @@ VectorXd errors_of(const std::function<VectorXd(const VectorXd&)>& constants, co
   return (slope * covariance * slope.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
 }
 
+/// Times of the number that the data choose: those of the grid, or moved ones if the criterion, in
+/// which each moved time counts as a parameter, is less with them.
+std::vector<double> chosen_times(const Measurements& data, int n_other)
+{
+  const std::vector<double> grid = times_for(data, number_of_terms(data, n_other));
+  const std::vector<double> moved = moved_times(data, grid);
+  const auto criterion = [&](const std::vector<double>& times, int n_moved) {
+    const SeriesSolution found = solve_series(data, times);
+    return corrected_akaike(found.residuals.squaredNorm(), int(found.residuals.size()),
+                            found.n_active + n_other + n_moved);
+  };
+  return !moved.empty() && criterion(moved, int(moved.size())) < criterion(grid, 0) ? moved : grid;
+}
+
 Solution solved_series(const Measurements& data, const CurveFitOptions& options,
                        const ShiftParameters& shift)
 {
   const VectorXd start = fitted_shift(data, shift);
   const Measurements first = reduced(data, make_shift(shift, start));
-  const int n = options.n_terms > 0 ? options.n_terms : number_of_terms(first, int(start.size()));
-  const std::vector<double> times = times_for(first, n);
+  const std::vector<double> times = options.n_terms > 0 ? times_for(first, options.n_terms)
+                                                        : chosen_times(first, int(start.size()));
   Solution solution;
   VectorXd x = start;
   if (x.size() > 0) {

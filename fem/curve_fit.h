@@ -17,8 +17,8 @@ struct CurveFitOptions {
   int n_terms = 0;     ///< of a series; 0: chosen by the data (`number_of_terms`)
   bool robust = false; ///< Huber weights: errors beyond 1.345 standard deviations count linearly
   ShiftKind shift = ShiftKind::none;
-  std::optional<double>
-      reference_temperature; ///< [K]; default: the measured one nearest to 20 degC
+  /// [K]; default: the measured one nearest to 20 degC
+  std::optional<double> reference_temperature = std::nullopt;
 };
 
 /// A constant of a fit in SI units.

@@ -262,6 +262,43 @@ int number_of_terms(const Measurements& data, int n_other)
   return best;
 }
 
+std::vector<double> moved_times(const Measurements& data, std::span<const double> grid)
+{
+  const SeriesSolution start = solve_series(data, grid);
+  const std::size_t first = start.coefficients.size() - grid.size();
+  std::vector<double> logarithms;
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const double here = start.coefficients[first + k].value;
+    const double next = k + 1 < grid.size() ? start.coefficients[first + k + 1].value : 0.0;
+    if (here > 0 && next > 0) {
+      logarithms.push_back((here * std::log(grid[k]) + next * std::log(grid[k + 1])) /
+                           (here + next));
+      ++k;
+    } else if (here > 0)
+      logarithms.push_back(std::log(grid[k]));
+  }
+  if (logarithms.empty())
+    return {};
+  const auto times_of = [](const VectorXd& x) {
+    std::vector<double> times;
+    for (const double each : x)
+      times.push_back(std::exp(each));
+    std::ranges::sort(times);
+    return times;
+  };
+  const auto residuals = [&](const VectorXd& x) {
+    if (x.cwiseAbs().maxCoeff() > 300)
+      return VectorXd(VectorXd::Constant(start.residuals.size(), infinity));
+    return solve_series(data, times_of(x)).residuals;
+  };
+  const Eigen::Map<const VectorXd> from(logarithms.data(), Index(logarithms.size()));
+  const std::vector<double> times = times_of(levenberg_marquardt(residuals, from, 60).parameters);
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (times[k] < 1.01 * times[k - 1])
+      return {};
+  return times;
+}
+
 std::vector<Interval> bootstrap_intervals(const Measurements& data, std::span<const double> times,
                                           int n_samples, std::uint64_t seed)
 {

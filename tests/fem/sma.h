@@ -38,4 +38,18 @@ inline fem::Measurements dynamic_modulus()
   return data;
 }
 
+/// The mean of the two specimens.
+inline fem::Measurements mean_dynamic_modulus()
+{
+  const fem::Measurements all = dynamic_modulus();
+  fem::Measurements data{all.quantity, {}};
+  for (std::size_t i = 0; i + 1 < all.points.size(); i += 2) {
+    fem::Measurement point = all.points[i];
+    point.value = 0.5 * (point.value + all.points[i + 1].value);
+    point.phase = 0.5 * (*point.phase + *all.points[i + 1].phase);
+    data.points.push_back(point);
+  }
+  return data;
+}
+
 } // namespace sma
