@@ -49,18 +49,6 @@ ContactPairs sorted_pairs(std::span<const Candidate> chosen)
   return result;
 }
 
-void validate(const BondLaw& law)
-{
-  const auto require = [](bool condition, const char* what, double found) {
-    if (!condition)
-      throw std::invalid_argument(fmt::format("bond law: {} must be > 0, found {:g}", what, found));
-  };
-  require(law.normal_to_shear > 0 && std::isfinite(law.normal_to_shear), "N/S",
-          law.normal_to_shear);
-  require(law.radius_multiplier > 0 && std::isfinite(law.radius_multiplier),
-          "the radius multiplier", law.radius_multiplier);
-}
-
 int law_between(int a, int b, std::span<const PairLaw> pair_laws)
 {
   for (const PairLaw& each : pair_laws)
@@ -95,11 +83,37 @@ ContactPairs nearest_contacts(const Particles& particles, double mean_contacts)
   return sorted_pairs(all);
 }
 
+void validate(std::span<const BondLaw> laws)
+{
+  const auto require = [](bool condition, const char* what, double found) {
+    if (!condition)
+      throw std::invalid_argument(fmt::format("bond law: {} must be > 0, found {:g}", what, found));
+  };
+  for (const BondLaw& law : laws) {
+    require(law.normal_to_shear > 0 && std::isfinite(law.normal_to_shear), "N/S",
+            law.normal_to_shear);
+    require(law.radius_multiplier > 0 && std::isfinite(law.radius_multiplier),
+            "the radius multiplier", law.radius_multiplier);
+  }
+}
+
+void append_bond(Bonds& bonds, const Particles& particles, const std::array<Index, 2>& ends,
+                 std::span<const BondLaw> laws, std::span<const PairLaw> pair_laws)
+{
+  const auto [a, b] = ends;
+  const int law = law_between(particles.material_class[a], particles.material_class[b], pair_laws);
+  const double smaller = std::min(particles.radius[a], particles.radius[b]);
+  bonds.ends.push_back(ends);
+  bonds.section_radius.push_back(laws[law].radius_multiplier * smaller);
+  bonds.contact_offset.push_back(0.5 * (particles.radius[a] - particles.radius[b]));
+  bonds.law.push_back(law);
+  bonds.id.push_back(std::int64_t(bonds.size()) - 1);
+}
+
 Bonds make_bonds(const Particles& particles, std::span<const std::array<Index, 2>> pairs,
                  std::span<const BondLaw> laws, std::span<const PairLaw> pair_laws)
 {
-  for (const BondLaw& law : laws)
-    validate(law);
+  validate(laws);
   const auto n = Index(particles.size());
   std::set<std::array<Index, 2>> seen;
   Bonds bonds;
@@ -117,13 +131,7 @@ Bonds make_bonds(const Particles& particles, std::span<const std::array<Index, 2
     const double smaller = std::min(particles.radius[a], particles.radius[b]);
     if (!((particles.centre[a] - particles.centre[b]).norm() > 1e-9 * smaller))
       refuse("the centres coincide, the bond has no direction");
-    const int law =
-        law_between(particles.material_class[a], particles.material_class[b], pair_laws);
-    bonds.ends.push_back({a, b});
-    bonds.section_radius.push_back(laws[law].radius_multiplier * smaller);
-    bonds.contact_offset.push_back(0.5 * (particles.radius[a] - particles.radius[b]));
-    bonds.law.push_back(law);
-    bonds.id.push_back(std::int64_t(bonds.size()) - 1);
+    append_bond(bonds, particles, {a, b}, laws, pair_laws);
   }
   return bonds;
 }

@@ -66,6 +66,15 @@ ContactPairs nearest_contacts(const Particles& particles, double mean_contacts);
 Bonds make_bonds(const Particles& particles, std::span<const std::array<Index, 2>> pairs,
                  std::span<const BondLaw> laws, std::span<const PairLaw> pair_laws);
 
+/// \throws std::invalid_argument for a normal_to_shear or a radius_multiplier that is not > 0
+void validate(std::span<const BondLaw> laws);
+
+/// Adds a bond between two particles wherever they or their images lie: its section, contact point
+/// and law. Nothing but the pair of classes is checked.
+/// \throws std::invalid_argument for a pair of classes without a law
+void append_bond(Bonds& bonds, const Particles& particles, const std::array<Index, 2>& ends,
+                 std::span<const BondLaw> laws, std::span<const PairLaw> pair_laws);
+
 /// All laws as one law times a factor each, if they are proportional: then bond forces do not
 /// depend on history and one elastic solution answers for all times.
 struct ProportionalLaws {

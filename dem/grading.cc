@@ -84,6 +84,12 @@ Grading named_grading(std::string_view name)
   throw std::invalid_argument(fmt::format("no grading is called '{}'; known: {}", name, known));
 }
 
+Grading monodisperse_grading(double diameter)
+{
+  constexpr double half_width = 1e-6;
+  return make_grading({{diameter * (1 - half_width), 0}, {diameter * (1 + half_width), 1}});
+}
+
 double mean_particle_volume(const Grading& grading)
 {
   double number = 0;

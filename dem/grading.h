@@ -37,6 +37,10 @@ std::span<const std::string_view> grading_names();
 /// \throws std::invalid_argument for another name
 Grading named_grading(std::string_view name);
 
+/// Spheres of one diameter [m] (to 1e-6).
+/// \throws std::invalid_argument unless it is > 0
+Grading monodisperse_grading(double diameter);
+
 /// Mean volume of a particle [m^3], by number.
 double mean_particle_volume(const Grading& grading);
 

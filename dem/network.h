@@ -8,8 +8,6 @@
 
 namespace dem {
 
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Mat6x12 = Eigen::Matrix<double, 6, 12>;
 
 /// What a bond still carries.

@@ -40,6 +40,7 @@ SymmetricPattern stiffness_pattern(const ElasticNetwork& network)
     if (first < 0)
       continue;
     std::ranges::sort(below[i]);
+    below[i].erase(std::unique(below[i].begin(), below[i].end()), below[i].end());
     for (int k = 0; k < 6; ++k) {
       for (int row = k; row < 6; ++row)
         pattern.row.push_back(first + row);

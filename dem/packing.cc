@@ -15,36 +15,94 @@ namespace dem {
 
 namespace {
 
-void validate(const PackingRequest& request)
+/// What both kinds of request have in common.
+struct Aims {
+  Container container;
+  const Grading& grading;
+  std::size_t n_particles;
+  double solid_fraction, density;
+  int min_contacts;
+  double contact_gap, residual_stress_bound, preparation_stiffness;
+};
+
+Aims aims(const auto& request, const Container& container)
 {
-  const auto require = [](bool condition, const char* what, double found) {
-    if (!condition)
-      throw std::invalid_argument(fmt::format("packing: {}, found {:g}", what, found));
-  };
-  require(request.n_particles > 0, "the number of particles must be > 0", 0);
-  require(request.container.radius > 0, "the diameter must be > 0", request.container.radius);
-  require(request.container.height > 0, "the height must be > 0", request.container.height);
-  require(request.solid_fraction > 0 && request.solid_fraction < 0.9,
-          "the solid fraction must lie between 0 and 0.9", request.solid_fraction);
-  require(request.contact_gap > 0 && request.contact_gap < 0.1,
-          "the contact gap must lie between 0 and 0.1 radii", request.contact_gap);
-  require(request.preparation_stiffness > 0, "the preparation stiffness must be > 0",
-          request.preparation_stiffness);
-  const double largest = request.grading.sieves.back().opening;
-  require(largest < 2 * request.container.radius && largest < request.container.height,
-          "the coarsest sieve must be smaller than the container; sieve in mm", 1e3 * largest);
-  const double scale = size_scale(request);
+  return {container,
+          request.grading,
+          request.n_particles,
+          request.solid_fraction,
+          request.density,
+          request.min_contacts,
+          request.contact_gap,
+          request.residual_stress_bound,
+          request.preparation_stiffness};
+}
+
+double size_scale(const Aims& wanted)
+{
+  const double mean = mean_particle_volume(wanted.grading);
+  return std::cbrt(wanted.solid_fraction * volume(wanted.container) /
+                   (mean * double(wanted.n_particles)));
+}
+
+void require(bool condition, const char* what, double found)
+{
+  if (!condition)
+    throw std::invalid_argument(fmt::format("packing: {}, found {:g}", what, found));
+}
+
+void validate(const Cylinder& container, double coarsest)
+{
+  require(container.radius > 0, "the diameter must be > 0", container.radius);
+  require(container.height > 0, "the height must be > 0", container.height);
+  require(coarsest < 2 * container.radius && coarsest < container.height,
+          "the coarsest sieve must be smaller than the container; sieve in mm", 1e3 * coarsest);
+}
+
+void validate(const PeriodicCell& cell, double coarsest)
+{
+  make_periodic_cell(cell.edges);
+  require(coarsest < face_distances(cell).minCoeff(),
+          "the coarsest sieve must be smaller than the cell; sieve in mm", 1e3 * coarsest);
+}
+
+void validate(const Aims& wanted)
+{
+  require(wanted.n_particles > 0, "the number of particles must be > 0", 0);
+  require(wanted.solid_fraction > 0 && wanted.solid_fraction < 0.9,
+          "the solid fraction must lie between 0 and 0.9", wanted.solid_fraction);
+  require(wanted.contact_gap > 0 && wanted.contact_gap < 0.1,
+          "the contact gap must lie between 0 and 0.1 radii", wanted.contact_gap);
+  require(wanted.preparation_stiffness > 0, "the preparation stiffness must be > 0",
+          wanted.preparation_stiffness);
+  const double coarsest = wanted.grading.sieves.back().opening;
+  std::visit([&](const auto& container) { validate(container, coarsest); }, wanted.container);
+  const double scale = size_scale(wanted);
   if (std::abs(scale - 1) > 0.05)
     throw std::invalid_argument(fmt::format(
         "packing: {} particles of this grading would need diameters scaled by {:.3f} to fill the "
         "solid fraction {:g}; about {:.0f} particles fit",
-        request.n_particles, scale, request.solid_fraction,
-        double(request.n_particles) * scale * scale * scale));
+        wanted.n_particles, scale, wanted.solid_fraction,
+        double(wanted.n_particles) * scale * scale * scale));
+}
+
+/// A place for a sphere, even over the container, from three even numbers in (0, 1).
+Vec3 place_in(const Cylinder& container, double radius, const Vec3& number)
+{
+  const double angle = 2 * std::numbers::pi * number[1];
+  const double off_axis = (container.radius - radius) * std::sqrt(number[0]);
+  return {off_axis * std::cos(angle), off_axis * std::sin(angle),
+          radius + (container.height - 2 * radius) * number[2]};
+}
+
+Vec3 place_in(const PeriodicCell& cell, double, const Vec3& number)
+{
+  return cell.edges * number;
 }
 
 /// Spheres of the grading, in random order of size, at random places. Numbered along layers of
 /// cells, so that near spheres are near in memory.
-SoftSpheres scattered(const PackingRequest& request, std::uint64_t seed)
+SoftSpheres scattered(const Aims& request, std::uint64_t seed)
 {
   const std::size_t n = request.n_particles;
   const auto number = [&](std::size_t i, std::uint32_t draw) {
@@ -57,7 +115,6 @@ SoftSpheres scattered(const PackingRequest& request, std::uint64_t seed)
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, {}, [&](std::size_t i) { return number(i, 0); });
 
-  const Cylinder& container = request.container;
   struct Sphere {
     std::tuple<int, int, int> cell;
     Vec3 centre;
@@ -66,15 +123,15 @@ SoftSpheres scattered(const PackingRequest& request, std::uint64_t seed)
   const double cell_size = 2.5 * radius.back();
   std::vector<Sphere> sphere;
   for (std::size_t i = 0; i < n; ++i) {
-    const double r = radius[order[i]], angle = 2 * std::numbers::pi * number(i, 2);
-    const double off_axis = (container.radius - r) * std::sqrt(number(i, 1));
-    const Vec3 centre(off_axis * std::cos(angle), off_axis * std::sin(angle),
-                      r + (container.height - 2 * r) * number(i, 3));
+    const double r = radius[order[i]];
+    const Vec3 even(number(i, 1), number(i, 2), number(i, 3));
+    const Vec3 centre = std::visit(
+        [&](const auto& container) { return place_in(container, r, even); }, request.container);
     const auto cell = [&](double x) { return int(std::floor(x / cell_size)); };
     sphere.push_back({{cell(centre.z()), cell(centre.y()), cell(centre.x())}, centre, r});
   }
   std::ranges::stable_sort(sphere, {}, &Sphere::cell);
-  SoftSpheres result{container, {}, {}};
+  SoftSpheres result{request.container, {}, {}};
   for (const Sphere& each : sphere) {
     result.centre.push_back(each.centre);
     result.radius.push_back(each.radius);
@@ -172,11 +229,11 @@ SoftSpheres annealed(SoftSpheres spheres, NearSpheres& near)
 
 double residual_stress(const SoftSpheres& spheres, NearSpheres& near, double stiffness)
 {
-  return stiffness * compression(spheres, near).virial / (3 * spheres.container.volume());
+  return stiffness * compression(spheres, near).virial / (3 * volume(spheres.container));
 }
 
 /// One round: relax, and let sizes follow contacts and pressure.
-SoftSpheres breathed(SoftSpheres spheres, NearSpheres& near, const PackingRequest& request,
+SoftSpheres breathed(SoftSpheres spheres, NearSpheres& near, const Aims& request,
                      double largest_growth)
 {
   const std::vector<double> missing_gap = gaps_to_neighbour(spheres, near, request.min_contacts);
@@ -185,7 +242,7 @@ SoftSpheres breathed(SoftSpheres spheres, NearSpheres& near, const PackingReques
   return relax(std::move(spheres), near, 100, tolerance);
 }
 
-long count_floaters(const SoftSpheres& spheres, NearSpheres& near, const PackingRequest& request)
+long count_floaters(const SoftSpheres& spheres, NearSpheres& near, const Aims& request)
 {
   const std::vector<double> missing_gap = gaps_to_neighbour(spheres, near, request.min_contacts);
   long n = 0;
@@ -195,7 +252,7 @@ long count_floaters(const SoftSpheres& spheres, NearSpheres& near, const Packing
 }
 
 /// Breathes until at most one sphere in two hundred lacks contacts and the stress is low.
-SoftSpheres with_contacts(SoftSpheres spheres, NearSpheres& near, const PackingRequest& request)
+SoftSpheres with_contacts(SoftSpheres spheres, NearSpheres& near, const Aims& request)
 {
   constexpr int n_rounds = 300;
   for (int round = 0; round < n_rounds; ++round) {
@@ -211,7 +268,7 @@ SoftSpheres with_contacts(SoftSpheres spheres, NearSpheres& near, const PackingR
 
 /// Fits the last floaters; where one is squeezed, the packing is shaken a little and it tries
 /// again.
-SoftSpheres without_floaters(SoftSpheres spheres, NearSpheres& near, const PackingRequest& request)
+SoftSpheres without_floaters(SoftSpheres spheres, NearSpheres& near, const Aims& request)
 {
   constexpr int n_attempts = 100;
   for (int attempt = 0; attempt < n_attempts; ++attempt) {
@@ -225,29 +282,48 @@ SoftSpheres without_floaters(SoftSpheres spheres, NearSpheres& near, const Packi
   return spheres;
 }
 
-} // namespace
-
-double size_scale(const PackingRequest& request)
+Particles packed(const Aims& wanted, std::uint64_t seed)
 {
-  const double wanted = request.solid_fraction * request.container.volume();
-  const double mean = mean_particle_volume(request.grading);
-  return std::cbrt(wanted / (mean * double(request.n_particles)));
-}
-
-Particles grow_packing(const PackingRequest& request, std::uint64_t seed)
-{
-  validate(request);
-  SoftSpheres spheres = scattered(request, seed);
+  validate(wanted);
+  SoftSpheres spheres = scattered(wanted, seed);
   NearSpheres near = make_near_spheres(spheres);
   spheres = grown(spheres, near);
   spheres = annealed(std::move(spheres), near);
-  spheres = with_contacts(std::move(spheres), near, request);
-  spheres = without_floaters(std::move(spheres), near, request);
+  spheres = with_contacts(std::move(spheres), near, wanted);
+  spheres = without_floaters(std::move(spheres), near, wanted);
   Particles particles;
   particles.centre = spheres.centre;
   particles.radius = spheres.radius;
   particles.material_class.assign(spheres.size(), 0);
-  particles.density = request.density;
+  particles.density = wanted.density;
+  return particles;
+}
+
+} // namespace
+
+double size_scale(const PackingRequest& request)
+{
+  return size_scale(aims(request, request.container));
+}
+
+Particles grow_packing(const PackingRequest& request, std::uint64_t seed)
+{
+  return packed(aims(request, request.container), seed);
+}
+
+PeriodicPackingRequest cube_request(const Grading& grading, std::size_t n_particles,
+                                    double solid_fraction)
+{
+  const double solid = mean_particle_volume(grading) * double(n_particles);
+  return {box_cell(Vec3::Constant(std::cbrt(solid / solid_fraction))), grading, n_particles,
+          solid_fraction};
+}
+
+Particles grow_periodic_packing(const PeriodicPackingRequest& request, std::uint64_t seed)
+{
+  Particles particles = packed(aims(request, request.cell), seed);
+  for (Vec3& centre : particles.centre)
+    centre += request.cell.translation(shift_into_cell(request.cell, centre));
   return particles;
 }
 

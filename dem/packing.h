@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/grading.h"
 #include "dem/particles.h"
+#include "dem/periodic_cell.h"
 
 #include <cstdint>
 #include <functional>
@@ -22,6 +23,24 @@ struct PackingRequest {
   double preparation_stiffness = 3e6;  ///< of a contact, for the residual stress [N/m]
 };
 
+/// What a periodic packing should be.
+struct PeriodicPackingRequest {
+  PeriodicCell cell;
+  Grading grading;
+  std::size_t n_particles;
+  double solid_fraction;               ///< [-]
+  double density = 2700;               ///< of the particles [kg/m^3]
+  int min_contacts = 4;                ///< of every particle
+  double contact_gap = 1e-3;           ///< a gap up to this times the smaller radius is a contact
+  double residual_stress_bound = 30e3; ///< isotropic stress after preparation [Pa]
+  double preparation_stiffness = 3e6;  ///< of a contact, for the residual stress [N/m]
+};
+
+/// A request for n particles in a cube whose edge makes them fill the solid fraction at the sizes
+/// of the grading.
+PeriodicPackingRequest cube_request(const Grading& grading, std::size_t n_particles,
+                                    double solid_fraction);
+
 /// Diameters are scaled by this factor so that n particles of the grading fill the solid fraction.
 double size_scale(const PackingRequest& request);
 
@@ -40,5 +59,10 @@ double size_scale(const PackingRequest& request);
 /// \throws std::invalid_argument for numbers out of range, or if the diameters would have to be
 ///         scaled by more than 5 % (the message names the fitting number of particles)
 Particles grow_packing(const PackingRequest& request, std::uint64_t seed);
+
+/// The same in a periodic cell of any shape, without walls. Centres lie in the cell.
+/// \throws std::invalid_argument as above, and if the coarsest sieve is not smaller than the
+///         distance between two faces
+Particles grow_periodic_packing(const PeriodicPackingRequest& request, std::uint64_t seed);
 
 } // namespace dem

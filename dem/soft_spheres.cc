@@ -11,34 +11,70 @@ namespace dem {
 
 namespace {
 
+/// Calls wall(gap, unit normal into the container) for each wall that a sphere may touch.
+template <typename Wall>
+void for_each_wall(const Container& container, const Vec3& centre, double radius, Wall&& wall)
+{
+  const auto* cylinder = std::get_if<Cylinder>(&container);
+  if (!cylinder)
+    return;
+  const double off_axis = centre.head<2>().norm();
+  if (off_axis > 0)
+    wall(cylinder->radius - radius - off_axis,
+         Vec3(-centre.x() / off_axis, -centre.y() / off_axis, 0));
+  wall(centre.z() - radius, Vec3(0, 0, 1));
+  wall(cylinder->height - radius - centre.z(), Vec3(0, 0, -1));
+}
+
 /// Calls contact(i, j, overlap, unit normal from j to i) for overlapping spheres and, with j = -1,
 /// wall(i, overlap, unit normal into the container).
 template <typename Contact, typename Wall>
-void for_each_contact(const SoftSpheres& spheres, const NeighbourList& near, Contact&& contact,
+void for_each_contact(const SoftSpheres& spheres, const NearSpheres& near, Contact&& contact,
                       Wall&& wall)
 {
   const auto& [container, centre, radius] = spheres;
+  const auto* cylinder = std::get_if<Cylinder>(&container);
+  const bool is_periodic = !near.offset.empty();
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Vec3 here = centre[i];
-    for (Index k = near.start[i]; k < near.start[i + 1]; ++k) {
-      const Index j = near.neighbour[k];
-      const Vec3 branch = here - centre[j];
+    for (Index k = near.list.start[i]; k < near.list.start[i + 1]; ++k) {
+      const Index j = near.list.neighbour[k];
+      Vec3 branch = here - centre[j];
+      if (is_periodic)
+        branch -= near.offset[k];
       const double reach = radius[i] + radius[j], squared = branch.squaredNorm();
       if (squared >= reach * reach)
         continue;
       const double distance = std::max(std::sqrt(squared), 1e-9 * reach);
       contact(i, std::size_t(j), reach - distance, Vec3(branch / distance));
     }
-    const double room = container.radius - radius[i], squared = here.head<2>().squaredNorm();
+    if (!cylinder)
+      continue;
+    const double room = cylinder->radius - radius[i], squared = here.head<2>().squaredNorm();
     if (squared > room * room) {
       const double off_axis = std::sqrt(squared);
       wall(i, off_axis - room, Vec3(-here.x() / off_axis, -here.y() / off_axis, 0));
     }
     if (const double overlap = radius[i] - here.z(); overlap > 0)
       wall(i, overlap, Vec3(0, 0, 1));
-    if (const double overlap = here.z() + radius[i] - container.height; overlap > 0)
+    if (const double overlap = here.z() + radius[i] - cylinder->height; overlap > 0)
       wall(i, overlap, Vec3(0, 0, -1));
   }
+}
+
+/// Fills in the near pairs.
+void search(NearSpheres& near, const SoftSpheres& spheres)
+{
+  near.offset.clear();
+  if (const auto* cell = std::get_if<PeriodicCell>(&spheres.container)) {
+    PeriodicNeighbours found =
+        periodic_near_pairs(*cell, spheres.centre, spheres.radius, near.skin);
+    near.list = std::move(found.list);
+    for (const ImageShift& shift : found.shift)
+      near.offset.push_back(cell->translation(shift));
+  } else
+    near.list = near_pairs(spheres.centre, spheres.radius, near.skin);
+  near.reference = spheres;
 }
 
 /// Largest loss of gap between two spheres since the reference [m].
@@ -69,10 +105,16 @@ struct Work {
 
 } // namespace
 
+double volume(const Container& container)
+{
+  return std::visit([](const auto& each) { return each.volume(); }, container);
+}
+
 NearSpheres make_near_spheres(const SoftSpheres& spheres)
 {
-  const double skin = 0.4 * std::ranges::min(spheres.radius);
-  return {skin, near_pairs(spheres.centre, spheres.radius, skin), spheres};
+  NearSpheres near{0.4 * std::ranges::min(spheres.radius), {}, {}, {}};
+  search(near, spheres);
+  return near;
 }
 
 void refresh(NearSpheres& near, const SoftSpheres& spheres, double gap)
@@ -80,8 +122,7 @@ void refresh(NearSpheres& near, const SoftSpheres& spheres, double gap)
   if (largest_approach(spheres, near.reference) + gap <= near.skin)
     return;
   near.skin = std::max(near.skin, 2 * gap);
-  near.list = near_pairs(spheres.centre, spheres.radius, near.skin);
-  near.reference = spheres;
+  search(near, spheres);
 }
 
 Compression compression(const SoftSpheres& spheres, NearSpheres& near)
@@ -92,7 +133,7 @@ Compression compression(const SoftSpheres& spheres, NearSpheres& near)
   double relative = 0;
   long n_contacts = 0;
   for_each_contact(
-      spheres, near.list,
+      spheres, near,
       [&](std::size_t i, std::size_t j, double overlap, const Vec3&) {
         const auto& r = spheres.radius;
         result.force_sum[i] += overlap;
@@ -117,13 +158,12 @@ std::vector<double> gaps_to_neighbour(const SoftSpheres& spheres, NearSpheres& n
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     for (Index k = near.list.start[i]; k < near.list.start[i + 1]; ++k) {
       const Index j = near.list.neighbour[k];
-      const double gap = (centre[i] - centre[j]).norm() - radius[i] - radius[j];
+      const double gap = (centre[i] - near.place(spheres, k)).norm() - radius[i] - radius[j];
       gaps[i].push_back(gap);
       gaps[j].push_back(gap);
     }
-    gaps[i].push_back(container.radius - radius[i] - centre[i].head<2>().norm());
-    gaps[i].push_back(centre[i].z() - radius[i]);
-    gaps[i].push_back(container.height - radius[i] - centre[i].z());
+    for_each_wall(container, centre[i], radius[i],
+                  [&](double gap, const Vec3&) { gaps[i].push_back(gap); });
   }
   std::vector<double> result(spheres.size(), near.skin);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -148,7 +188,7 @@ SoftSpheres relax(SoftSpheres spheres, NearSpheres& near, int n_steps, double to
     refresh(near, spheres);
     std::ranges::fill(force, Vec3::Zero());
     for_each_contact(
-        spheres, near.list,
+        spheres, near,
         [&](std::size_t i, std::size_t j, double overlap, const Vec3& normal) {
           force[i] += overlap * normal;
           force[j] -= overlap * normal;
@@ -191,24 +231,23 @@ namespace {
 
 /// A sphere among fixed neighbours and walls.
 struct Cage {
+  struct Neighbour {
+    Index sphere;
+    Vec3 offset; ///< of its image [m]
+  };
   const SoftSpheres& spheres;
-  std::vector<Index> neighbours;
+  std::vector<Neighbour> neighbours;
 
   /// Calls visit(gap, unit normal towards the sphere) for each neighbour and wall.
   template <typename Visit>
   void for_each_gap(const Vec3& centre, double radius, Visit&& visit) const
   {
-    for (const Index j : neighbours) {
-      const Vec3 branch = centre - spheres.centre[j];
+    for (const auto& [j, offset] : neighbours) {
+      const Vec3 branch = centre - (spheres.centre[j] + offset);
       const double distance = branch.norm();
       visit(distance - radius - spheres.radius[j], Vec3(branch / distance));
     }
-    const double off_axis = centre.head<2>().norm();
-    if (off_axis > 0)
-      visit(spheres.container.radius - radius - off_axis,
-            Vec3(-centre.x() / off_axis, -centre.y() / off_axis, 0));
-    visit(centre.z() - radius, Vec3(0, 0, 1));
-    visit(spheres.container.height - radius - centre.z(), Vec3(0, 0, -1));
+    for_each_wall(spheres.container, centre, radius, visit);
   }
 };
 
@@ -275,13 +314,16 @@ Ball fitted(const Cage& cage, const Ball& ball, int n, double gap)
 SoftSpheres fit_floaters(SoftSpheres spheres, NearSpheres& near, int n, double gap)
 {
   const std::vector<double> missing_gap = gaps_to_neighbour(spheres, near, n);
-  std::vector<std::vector<Index>> neighbours(spheres.size());
-  const double reach = 2 * std::ranges::min(spheres.radius);
-  const NeighbourList wide = near_pairs(spheres.centre, spheres.radius, reach);
+  std::vector<std::vector<Cage::Neighbour>> neighbours(spheres.size());
+  NearSpheres wide{2 * std::ranges::min(spheres.radius), {}, {}, {}};
+  search(wide, spheres);
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    for (Index k = wide.start[i]; k < wide.start[i + 1]; ++k) {
-      neighbours[i].push_back(wide.neighbour[k]);
-      neighbours[wide.neighbour[k]].push_back(Index(i));
+    for (Index k = wide.list.start[i]; k < wide.list.start[i + 1]; ++k) {
+      const Index j = wide.list.neighbour[k];
+      const Vec3 offset = wide.offset.empty() ? Vec3::Zero() : wide.offset[k];
+      neighbours[i].push_back({j, offset});
+      if (j != Index(i)) // not its own image, which would move with it
+        neighbours[j].push_back({Index(i), -offset});
     }
   for (std::size_t i = 0; i < spheres.size(); ++i)
     if (missing_gap[i] > gap * spheres.radius[i])

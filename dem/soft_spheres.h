@@ -1,15 +1,21 @@
 #pragma once
 #include "dem/contact_search.h"
 #include "dem/particles.h"
+#include "dem/periodic_cell.h"
 
+#include <variant>
 #include <vector>
 
 namespace dem {
 
+/// What holds spheres together: rigid walls, or their own images.
+using Container = std::variant<Cylinder, PeriodicCell>;
+double volume(const Container& container); ///< [m^3]
+
 /// Frictionless spheres that repel each other and the container in proportion to their overlap,
 /// with unit stiffness: the mechanics of specimen preparation.
 struct SoftSpheres {
-  Cylinder container;
+  Container container;
   std::vector<Vec3> centre;   ///< [m]
   std::vector<double> radius; ///< [m]
 
@@ -20,7 +26,15 @@ struct SoftSpheres {
 struct NearSpheres {
   double skin; ///< [m], gap below which a pair is listed
   NeighbourList list;
-  SoftSpheres reference; ///< the spheres the list was made for
+  std::vector<Vec3> offset; ///< [m] of the image of each neighbour; empty between walls
+  SoftSpheres reference;    ///< the spheres the list was made for
+
+  /// Where the k-th neighbour of the list stands, seen from its partner [m].
+  Vec3 place(const SoftSpheres& spheres, Index k) const
+  {
+    const Vec3& centre = spheres.centre[list.neighbour[k]];
+    return offset.empty() ? centre : centre + offset[k];
+  }
 };
 
 /// A list with a skin of 0.4 times the smallest radius.

@@ -10,6 +10,8 @@ namespace dem {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// Index of a particle or of a bond.
 using Index = std::int32_t;
