@@ -28,6 +28,17 @@ BondModes bond_modes(const ElasticNetwork& network, ElasticNetwork::Bond bond, d
   return modes;
 }
 
+/// The network if the springs of the laws had these stiffnesses.
+ElasticNetwork with_stiffness(const MacroNetwork& macro, std::span<const double> law_stiffness)
+{
+  ElasticNetwork network = macro.network;
+  for (std::size_t b = 0; b < network.bonds.size(); ++b) {
+    const Vec6 modal = modal_stiffness(macro, b, law_stiffness);
+    network.bonds[b].stiffness = {modal[0], modal[1], modal[3], modal[4]};
+  }
+  return network;
+}
+
 /// Axes about which a cluster that is endless in these directions can turn.
 Mat3 free_axes(std::span<const Vec3> direction)
 {
@@ -91,6 +102,28 @@ Eigen::MatrixXd strain_loads(const MacroNetwork& macro, std::span<const double> 
   return loads;
 }
 
+Mat6 affine_energy(const MacroNetwork& macro, std::span<const double> law_stiffness)
+{
+  Mat6 sum = Mat6::Zero();
+  for (std::size_t b = 0; b < macro.bonds.size(); ++b)
+    sum += macro.bonds[b].strain.transpose() *
+           modal_stiffness(macro, b, law_stiffness).asDiagonal() * macro.bonds[b].strain;
+  return sum;
+}
+
+Eigen::SparseMatrix<double> stiffness_matrix(const MacroNetwork& macro,
+                                             std::span<const double> law_stiffness)
+{
+  const ElasticNetwork network = with_stiffness(macro, law_stiffness);
+  const SymmetricPattern pattern = stiffness_pattern(network);
+  const std::vector<double> values =
+      stiffness_values(network, pattern, macro.status, one_held_piece(network.radius.size()));
+  const int n = pattern.size();
+  return Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, Eigen::Index(values.size()),
+                                                       pattern.column_start.data(),
+                                                       pattern.row.data(), values.data());
+}
+
 std::vector<Pin> rigid_motion_pins(const Clusters& clusters, const ElasticNetwork& network)
 {
   std::vector<Pin> pins;
@@ -106,32 +139,20 @@ std::vector<Pin> rigid_motion_pins(const Clusters& clusters, const ElasticNetwor
 
 MacroSolver::MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
                          std::span<const double> law_stiffness)
-    : network_(macro.network), law_(macro.law), status_(macro.status),
-      pins_(pins.begin(), pins.end()), pattern_(stiffness_pattern(network_)), factor_(pattern_)
+    : pattern_(stiffness_pattern(macro.network)), factor_(pattern_)
 {
-  for (const BondModes& modes : macro.bonds)
-    weight_.push_back({modes.weight[0], modes.weight[1], modes.weight[3], modes.weight[4]});
-  factorise(law_stiffness);
-}
-
-void MacroSolver::factorise(std::span<const double> law_stiffness)
-{
-  for (std::size_t b = 0; b < law_.size(); ++b) {
-    const double spring = law_stiffness[law_[b]];
-    const auto& [normal, shear, torsion, bending] = weight_[b];
-    network_.bonds[b].stiffness = {spring * normal, spring * shear, spring * torsion,
-                                   spring * bending};
-  }
-  values_ = stiffness_values(network_, pattern_, status_, one_held_piece(network_.radius.size()));
-  const double spring = mean_normal_stiffness(network_);
-  for (const auto& [particle, rotation] : pins_)
+  const ElasticNetwork network = with_stiffness(macro, law_stiffness);
+  values_ =
+      stiffness_values(network, pattern_, macro.status, one_held_piece(network.radius.size()));
+  const double spring = mean_normal_stiffness(network);
+  for (const auto& [particle, rotation] : pins)
     for (int k = 0; k < 3; ++k) {
-      const Index first = network_.first_dof[particle];
+      const Index first = network.first_dof[particle];
       values_[pattern_.column_start[first + k]] += spring;
       for (int row = k; row < 3; ++row) // a column holds its rows from the diagonal on
         values_[pattern_.column_start[first + 3 + k] + row - k] += spring * rotation(row, k);
     }
-  if (network_.n_dofs > 0 && !factor_.factorise(values_))
+  if (pattern_.size() > 0 && !factor_.factorise(values_))
     throw std::runtime_error("the stiffness matrix of the volume element is not positive definite");
 }
 
@@ -154,7 +175,7 @@ Eigen::MatrixXd MacroSolver::solve_once(const Eigen::MatrixXd& forces) const
 
 Eigen::MatrixXd MacroSolver::solve(const Eigen::MatrixXd& forces) const
 {
-  if (network_.n_dofs == 0)
+  if (pattern_.size() == 0)
     return Eigen::MatrixXd::Zero(0, forces.cols());
   const Eigen::MatrixXd first = solve_once(forces);
   return first + solve_once(forces - product(first));

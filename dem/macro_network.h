@@ -50,6 +50,13 @@ inline Vec6 modal_stiffness(const MacroNetwork& macro, std::size_t bond,
 /// Nodal forces that hold the particles still under six unit mean strains; n_dofs x 6 [N].
 Eigen::MatrixXd strain_loads(const MacroNetwork& macro, std::span<const double> law_stiffness);
 
+/// Sum of stiffness over the bonds if all particles follow the mean strain: 6 x 6 [J].
+Mat6 affine_energy(const MacroNetwork& macro, std::span<const double> law_stiffness);
+
+/// Stiffness matrix, lower triangle [N/m].
+Eigen::SparseMatrix<double> stiffness_matrix(const MacroNetwork& macro,
+                                             std::span<const double> law_stiffness);
+
 /// A spring to ground on one particle, without force in equilibrium: it removes the rigid motions
 /// of a cluster without changing what is strained. Rotations are those times the radius.
 struct Pin {
@@ -69,9 +76,6 @@ public:
   MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
               std::span<const double> law_stiffness);
 
-  /// Factorises with other stiffnesses of the laws.
-  void factorise(std::span<const double> law_stiffness);
-
   /// Dofs under nodal forces, one column each, with one step of refinement. The forces on each
   /// cluster must balance as far as it can move.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& forces) const;
@@ -79,14 +83,10 @@ public:
   /// Forces that hold the dofs.
   Eigen::MatrixXd product(const Eigen::MatrixXd& dofs) const;
 
-private:
+  /// The same without refinement, in half the time.
   Eigen::MatrixXd solve_once(const Eigen::MatrixXd& forces) const;
 
-  ElasticNetwork network_;
-  std::vector<ModeStiffness> weight_; ///< of each bond
-  std::vector<int> law_;
-  std::vector<BondStatus> status_;
-  std::vector<Pin> pins_;
+private:
   SymmetricPattern pattern_;
   std::vector<double> values_;
   SupernodalFactor factor_;

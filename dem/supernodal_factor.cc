@@ -1,41 +1,16 @@
 #include "dem/supernodal_factor.h"
 
 #include "dem/factor_strips.h"
+#include "dem/one_thread.h"
 
 #include <cholmod.h>
-#include <omp.h>
-#include <variant>
 
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
-
-extern "C" {
-void openblas_set_num_threads(int);
-int openblas_get_num_threads();
-}
+#include <variant>
 
 namespace dem {
-
-namespace {
-
-/// Everything on one thread while it lives: OpenBLAS, whose sums depend on the number of threads,
-/// and CHOLMOD, which opens parallel regions for loops so short that waking threads takes longer.
-struct OneThread {
-  int blas = openblas_get_num_threads(), levels = omp_get_max_active_levels();
-  OneThread()
-  {
-    openblas_set_num_threads(1);
-    omp_set_max_active_levels(0);
-  }
-  ~OneThread()
-  {
-    openblas_set_num_threads(blas);
-    omp_set_max_active_levels(levels);
-  }
-};
-
-} // namespace
 
 struct SupernodalFactor::Data {
   SymmetricPattern pattern;
