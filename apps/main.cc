@@ -1,3 +1,5 @@
+#include "apps/calibrate.h"
+#include "apps/extract.h"
 #include "apps/files.h"
 #include "apps/hard_cases.h"
 #include "apps/interrupt.h"
@@ -30,6 +32,8 @@ struct Arguments {
   std::string resume, packing, time;
   RunOptions run;
   SolverStudyOptions study;
+  CalibrateOptions calibrate;
+  std::string data;
   bool hard = false;
 };
 
@@ -104,6 +108,47 @@ void add_study(CLI::App& app, Arguments& a, std::function<int()>& action)
       a.study.overrides = a.run.overrides;
       a.run.n_threads = a.study.n_threads;
       return a.hard ? run_hard_cases(a.scene, a.run) : study_verb(a.scene, a.study);
+    };
+  });
+}
+
+void add_extract(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb =
+      app.add_subcommand("extract", "Take a constitutive law from representative volumes");
+  verb->add_option("scene", a.scene, "Scene file; see its section Volume element")->required();
+  verb->add_option("-o,--output", a.output, "Folder (default: that of the scene's results)");
+  verb->add_option("--threads", a.run.n_threads, "Volume elements at a time (default: all)")
+      ->check(CLI::Range(1, 1024));
+  verb->add_flag("--quiet", a.run.quiet, "No progress");
+  add_common(*verb, a);
+  verb->callback([&] { action = [&] { return extract_verb(a.scene, a.output, a.run); }; });
+}
+
+void add_calibrate(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand(
+      "calibrate", "Find the bond law with which a packing creeps as a measured curve says");
+  CalibrateOptions& v = a.calibrate;
+  verb->add_option("scene", a.scene, "Scene file with the packing")->required();
+  verb->add_option("data", a.data, "Measured curve (.csv), as for 'mastic fit'")->required();
+  verb->add_option("--branches", v.branches,
+                   "Kelvin branches of a bond: auto (default) or a number");
+  verb->add_option("--accuracy", v.accuracy,
+                   "auto takes the fewest branches with this relative rms error (default: 0.02)")
+      ->check(CLI::Range(1e-12, 1.0));
+  verb->add_option("--shift", v.shift,
+                   "none (default), wlf, arrhenius or free: for data at several temperatures");
+  verb->add_option("--reference", v.reference,
+                   "Temperature of the law, such as '20 degC' (default: the measured one nearest)");
+  verb->add_option("--packing", a.packing, "Packing stored by 'mastic pack' for this scene");
+  verb->add_option("-o,--output", v.output, "Folder (default: results/NAME-calibration)");
+  add_common(*verb, a);
+  verb->callback([&] {
+    action = [&] {
+      if (!a.packing.empty())
+        a.run.packing = a.packing;
+      return calibrate_verb(a.scene, a.data, a.calibrate, a.run);
     };
   });
 }
@@ -204,6 +249,8 @@ int main(int argc, char** argv)
   std::function<int()> action;
   add_run(app, arguments, action);
   add_study(app, arguments, action);
+  add_extract(app, arguments, action);
+  add_calibrate(app, arguments, action);
   add_others(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);

@@ -53,4 +53,14 @@ std::vector<std::string> make_study_figure(const std::filesystem::path& folder)
   return draw("work_precision.py", {folder.string()});
 }
 
+std::vector<std::string> make_extraction_figures(const std::filesystem::path& folder)
+{
+  return draw("extraction.py", {folder.string()});
+}
+
+std::vector<std::string> make_calibration_figures(const std::filesystem::path& folder)
+{
+  return draw("calibration.py", {folder.string()});
+}
+
 } // namespace apps

@@ -14,4 +14,10 @@ std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& 
 /// Draws the figure of a study of solvers from the study.csv in its folder. \return the same
 std::vector<std::string> make_study_figure(const std::filesystem::path& folder);
 
+/// Draws the figures of an extracted law from the tables in its folder. \return the same
+std::vector<std::string> make_extraction_figures(const std::filesystem::path& folder);
+
+/// Draws the figure of a calibrated bond law from the tables in its folder. \return the same
+std::vector<std::string> make_calibration_figures(const std::filesystem::path& folder);
+
 } // namespace apps

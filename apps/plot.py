@@ -16,6 +16,7 @@ from pathlib import Path
 
 logging.disable(logging.CRITICAL)  # the caller reads paths and errors only
 try:
+    import damage
     import matplotlib
     import numpy as np
     from matplotlib.figure import Figure
@@ -53,7 +54,8 @@ class Sheet:
         for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
             if axis.get_scale() == "log" and high < 50 * low:  # few powers of ten to be labels
                 form = "{:g}" if 1e-3 < low and high < 1e5 else "{:.0e}"
-                label = functools.partial(log_label, form=form, every=high < 5 * low)
+                every = high < 5 * low and len(self.widths) < 3
+                label = functools.partial(log_label, form=form, every=every)
                 axis.set_major_formatter(label)
                 axis.set_minor_formatter(label)
 
@@ -97,6 +99,13 @@ class Sheet:
         finally:
             part.unlink(missing_ok=True)
         print(path)
+
+
+def replaced(path, text):
+    """Writes a text under a temporary name and renames it."""
+    part = path.with_suffix(".part")
+    part.write_text(text)
+    os.replace(part, path)
 
 
 def wide_times(results):
@@ -253,6 +262,50 @@ def draw_energy(results, key, folder):
                f"up: {gap:.1e} of the work.")
 
 
+def draw_damage(results, key, folder):
+    """Rate and damage data of creep tests at several stresses: damage.csv and its figure."""
+    named = [(r.folder.name, damage.creep_row(r)) for r in results]
+    rows = [row for _, row in named]
+    stress, rate, end = "axial_stress_kPa", "minimum_creep_rate_per_s", "rupture_time_s"
+    norton = damage.fitted(rows, stress, rate)
+    rupture = damage.fitted(rows, stress, end)
+    monkman_grant = damage.fitted(rows, rate, end)
+    replaced(folder / "damage.csv", damage.text(named, [
+        ("minimum creep rate over stress in kPa (Norton)", norton),
+        ("rupture time over stress in kPa", rupture),
+        ("rupture time over minimum creep rate (Monkman-Grant)", monkman_grant)]))
+    sheet = Sheet(results, (1, 1, 1))
+    for panel, (fit, x, y) in enumerate(((norton, stress, rate), (rupture, stress, end),
+                                         (monkman_grant, rate, end))):
+        shown = [row[x] for row in rows if np.isfinite(row[x] * row[y])]
+        for r, row in zip(results, rows):
+            sheet.mark(row[x], row[y], "o", r, panel=panel)
+            sheet.panels[panel].plot([], [], **r.look, label=r.legend())
+        if fit:
+            ends = np.array([min(shown), max(shown)])
+            sheet.panels[panel].plot(ends, fit[1] * ends**fit[0], "k-", lw=1, zorder=1)
+            sheet.panels[panel].text(0.35, 0.94, f"exponent {fit[0]:.3g}",
+                                     transform=sheet.panels[panel].transAxes)
+    sheet.label(0, "Axial stress [kPa]", "Minimum creep rate [1/s]", "xy")
+    sheet.label(1, "Axial stress [kPa]", "Rupture time [s]", "xy")
+    sheet.label(2, "Minimum creep rate [1/s]", "Rupture time [s]", "xy")
+    sheet.save(folder / "damage.png", key,
+               "Minimum creep rate: of the smoothed curve before the collapse; runs whose rate only "
+               "falls have no point. Numbers: damage.csv.")
+    draw_growth(results, key, folder)
+
+
+def draw_growth(results, key, folder):
+    """Compliance against the share of broken bonds."""
+    sheet, elastic = Sheet(results), True
+    for r in results:
+        share, growth, elastic = damage.compliance_growth(r)
+        sheet.panels[0].plot(100 * share, growth, **r.look, label=r.legend())
+    kind = "Elastic compliance" if elastic else "Creep compliance (creep and damage)"
+    sheet.label(0, "Broken bonds [%]", f"{kind} over its first value [-]", "y")
+    sheet.save(folder / "compliance_growth.png", key)
+
+
 def draw_compliance(results, key, folder):
     """Creep compliance of intact specimens."""
     sheet = Sheet(results)
@@ -291,6 +344,8 @@ def figures(results):
     yield draw_cycles, [r for r in platen if len(r.cycles.get("cycle", ())) > 1]
     yield draw_energy, [r for r in results if len(r.energy.get("time_s", ())) > 1
                         and len(results) == 1]
+    creep = [r for r in platen if r.test == "creep" and len(r.breakages["time_s"])]
+    yield draw_damage, creep if len({r.scene["Loading/Axial stress"] for r in creep}) > 1 else []
     yield draw_compliance, [r for r in linear if r.test == "creep"]
     yield draw_modulus, [r for r in linear if r.modulus]
 

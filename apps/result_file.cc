@@ -17,17 +17,6 @@ namespace apps {
 
 namespace {
 
-void write_columns(dem::Hdf5File& file, const std::string& group,
-                   const std::vector<Column>& columns)
-{
-  std::string names;
-  for (const Column& column : columns) {
-    file.write(group + "/" + column.name, column.values, column.unit);
-    names += (names.empty() ? "" : ",") + column.name;
-  }
-  file.set_attribute(group, "columns", names); // HDF5 sorts its members
-}
-
 /// |E*| and phase angle over frequency, from the elastic solution of the run.
 std::vector<Column> modulus_columns(const RunInProgress& r)
 {

@@ -194,6 +194,17 @@ std::string csv(const std::vector<Column>& columns)
   return text;
 }
 
+void write_columns(dem::Hdf5File& file, const std::string& group,
+                   const std::vector<Column>& columns)
+{
+  std::string names;
+  for (const Column& column : columns) {
+    file.write(group + "/" + column.name, column.values, column.unit);
+    names += (names.empty() ? "" : ",") + column.name;
+  }
+  file.set_attribute(group, "columns", names); // HDF5 sorts its members
+}
+
 std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group)
 {
   std::vector<Column> columns;

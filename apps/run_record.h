@@ -54,6 +54,10 @@ std::vector<Column> bond_columns(const std::vector<std::array<dem::Index, 2>>& e
 /// A table as CSV with full precision.
 std::string csv(const std::vector<Column>& columns);
 
+/// Stores a table under a group.
+void write_columns(dem::Hdf5File& file, const std::string& group,
+                   const std::vector<Column>& columns);
+
 /// Columns of a stored table.
 std::vector<Column> stored_columns(const dem::Hdf5File& file, const std::string& group);
 

@@ -323,6 +323,7 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
   declare_dynamic(schema, scene);
   declare_output(schema, scene.output);
   declare_study(schema, scene.study);
+  declare(schema, scene.element);
   declare(schema, scene.expect);
   declare(schema, scene.repeat);
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include "apps/expectations.h"
 #include "apps/schema.h"
+#include "apps/volume_element_keys.h"
 #include "dem/dynamics.h"
 #include "dem/grading.h"
 #include "dem/quasistatic_settings.h"
@@ -135,6 +136,7 @@ struct Scene {
     std::string values; ///< separated by commas, as typed
   } study;
 
+  VolumeElementInput element;
   Expectations expect;
   RepeatedRun repeat;
 };

@@ -39,28 +39,6 @@ dem::BondLaw bond_law(const BondLawInput& input, double shift)
   return {dem::with_viscosities_scaled(law, shift), input.normal_to_shear, input.radius_multiplier};
 }
 
-/// The law of section Bonds for all pairs of classes that no other section names.
-void set_laws(dem::Assembly& assembly, const Scene& scene, double shift)
-{
-  assembly.laws = bond_laws(scene, shift);
-  const std::vector<int>& of_particles = assembly.particles.material_class;
-  const std::set<int> classes(of_particles.begin(), of_particles.end());
-  int law = 0;
-  for (const auto& [name, input] : scene.more_bonds) {
-    ++law;
-    for (const auto& [a, b] : input->class_pairs) {
-      for (const double each : {a, b})
-        if (!classes.contains(int(each)))
-          throw std::invalid_argument(
-              fmt::format("Bond law {}/Classes: no particle has class {:g}", name, each));
-      assembly.pair_laws.push_back({int(a), int(b), law});
-    }
-  }
-  for (const int a : classes)
-    for (const int b : classes)
-      assembly.pair_laws.push_back({a, b, 0}); // found after those above
-}
-
 std::vector<double> listed_strengths(const CsvTable& table, const std::string& column)
 {
   const std::vector<double> strengths = table.numbers(column, "N");
@@ -221,6 +199,27 @@ std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift)
   return laws;
 }
 
+std::vector<dem::PairLaw> pair_laws(const Scene& scene, const dem::Particles& particles)
+{
+  const std::set<int> classes(particles.material_class.begin(), particles.material_class.end());
+  std::vector<dem::PairLaw> pairs;
+  int law = 0;
+  for (const auto& [name, input] : scene.more_bonds) {
+    ++law;
+    for (const auto& [a, b] : input->class_pairs) {
+      for (const double each : {a, b})
+        if (!classes.contains(int(each)))
+          throw std::invalid_argument(
+              fmt::format("Bond law {}/Classes: no particle has class {:g}", name, each));
+      pairs.push_back({int(a), int(b), law});
+    }
+  }
+  for (const int a : classes)
+    for (const int b : classes)
+      pairs.push_back({a, b, 0}); // found after those above
+  return pairs;
+}
+
 dem::PackingRequest packing_request(const Scene& scene)
 {
   const Scene::Specimen& v = scene.specimen;
@@ -267,7 +266,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
   assembly.support = packing.support.value_or(
       dem::platen_supports(packing.particles, packing.platens, v.platen_gap));
   specimen.viscosity_shift = viscosity_shift(scene);
-  set_laws(assembly, scene, specimen.viscosity_shift);
+  assembly.laws = bond_laws(scene, specimen.viscosity_shift);
+  assembly.pair_laws = pair_laws(scene, assembly.particles);
   if (v.bond_file.empty())
     bond_contacts(specimen, v);
   else {

@@ -59,6 +59,11 @@ double viscosity_shift(const Scene& scene);
 /// \throws std::invalid_argument naming the constant that cannot be
 std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift);
 
+/// Which of them holds between two classes of particles: the law of section Bonds for all pairs
+/// that no other section names.
+/// \throws std::invalid_argument for a class that no particle has
+std::vector<dem::PairLaw> pair_laws(const Scene& scene, const dem::Particles& particles);
+
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {
   dem::Assembly assembly;

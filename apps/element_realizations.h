@@ -1,0 +1,63 @@
+#pragma once
+#include "apps/run.h"
+#include "coupling/extraction.h"
+
+#include <array>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+/// The order in which stiffness falls.
+constexpr std::array all_conditions{
+    dem::BoundaryCondition::affine, dem::BoundaryCondition::kinematic,
+    dem::BoundaryCondition::periodic, dem::BoundaryCondition::uniform_traction};
+
+std::string name_of(dem::BoundaryCondition condition);
+
+/// One volume element, and what it answered.
+struct Realization {
+  std::size_t n_particles, n_bonds;
+  std::uint64_t seed;
+  double volume;           ///< [m^3]
+  double size_ratio;       ///< shortest distance of two faces over the largest diameter [-]
+  double solid_fraction;   ///< [-]
+  double bond_gap;         ///< largest bonded gap over the smaller radius [-]
+  std::size_t n_loose = 0; ///< particles that carry nothing
+  /// Elastic stiffness [Pa], Mandel, under each of `all_conditions` that was computed.
+  std::array<std::optional<dem::Mat6>, 4> stiffness;
+  double hill_mandel = 0;                          ///< largest relative difference
+  std::optional<coupling::MeanCompliance> samples; ///< S(t) if the bonds follow several laws
+};
+
+/// What is to be done for one realization.
+struct RealizationTask {
+  std::size_t n_particles; ///< 0: as the source says
+  std::uint64_t seed;
+  bool wants_samples; ///< S(t) by time stepping
+};
+
+/// A folder in which grown packings are kept and found the next time.
+struct PackingStore {
+  std::filesystem::path folder; ///< empty: they are not kept
+  std::mutex lock;              ///< HDF5 is not made for several threads
+};
+
+/// Volume element of a scene.
+/// \throws std::invalid_argument if the scene and its files do not make an element
+dem::VolumeElement make_element(const LoadedScene& scene, const RealizationTask& task,
+                                PackingStore& store);
+
+/// Makes an element and lets it answer.
+Realization realize(const LoadedScene& scene, const RealizationTask& task, PackingStore& store);
+
+/// All of them, on several threads; the results do not depend on how many. Ends early when the user
+/// asks for it: what is not done is absent.
+std::vector<std::optional<Realization>> realize_all(const LoadedScene& scene,
+                                                    const std::vector<RealizationTask>& tasks,
+                                                    PackingStore& store, const RunOptions& options);
+
+} // namespace apps

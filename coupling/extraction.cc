@@ -1,0 +1,91 @@
+#include "coupling/extraction.h"
+
+#include "dem/element_creep.h"
+#include "fem/series_fit.h"
+#include "fem/tensor_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace coupling {
+
+namespace {
+
+std::vector<double> sample_times(const SamplingOptions& options)
+{
+  if (!(options.first_time > 0) || !(options.last_time > options.first_time) || options.n_times < 3)
+    throw std::invalid_argument(fmt::format(
+        "creep tests need at least 3 times from a first above 0 to a later last one, found {} from "
+        "{:g} s to {:g} s",
+        options.n_times, options.first_time, options.last_time));
+  std::vector<double> times{0};
+  for (const double time :
+       fem::retardation_grid(options.first_time, options.last_time, options.n_times))
+    times.push_back(time);
+  return times;
+}
+
+} // namespace
+
+fem::ComplianceLaw proportional_law(const fem::Mat6& elastic, const dem::CreepLaw& creep)
+{
+  const double stiffness = creep.maxwell_stiffness;
+  fem::Mat6 fluidity = fem::Mat6::Zero();
+  if (creep.maxwell_viscosity)
+    fluidity = elastic * (stiffness / *creep.maxwell_viscosity);
+  std::vector<fem::RetardationTerm> terms;
+  for (const dem::KelvinBranch& branch : creep.branches)
+    terms.push_back({dem::retardation_time(branch), elastic * (stiffness / branch.stiffness)});
+  return fem::make_compliance_law(elastic, fluidity, terms);
+}
+
+MeanCompliance sampled_compliance(const dem::VolumeElement& element, const SamplingOptions& options)
+{
+  const dem::ElementModel model = dem::make_element_model(element);
+  const std::vector<double> times = sample_times(options);
+  const dem::CreepHistory history = dem::creep_compliance(model, times, options.tolerance);
+  MeanCompliance result{history.time, history.compliance, 0};
+  for (const double error : history.error)
+    result.stepping_error = std::max(result.stepping_error, error);
+  return result;
+}
+
+MeanCompliance mean_of(std::span<const MeanCompliance> samples)
+{
+  MeanCompliance mean = samples.front();
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    for (std::size_t i = 0; i < mean.compliance.size(); ++i)
+      mean.compliance[i] += samples[k].compliance[i];
+    mean.stepping_error = std::max(mean.stepping_error, samples[k].stepping_error);
+  }
+  for (fem::Mat6& each : mean.compliance)
+    each /= double(samples.size());
+  return mean;
+}
+
+ExtractedLaw fitted_law(const MeanCompliance& samples, const SamplingOptions& options)
+{
+  const double decades = std::log10(options.last_time / options.first_time);
+  const int n_terms =
+      options.n_terms > 0 ? options.n_terms : std::max(1, int(std::lround(2 * decades)) + 1);
+  std::vector<fem::ComplianceSample> points;
+  for (std::size_t k = 0; k < samples.time.size(); ++k)
+    points.push_back(
+        {samples.time[k], 0.5 * (samples.compliance[k] + samples.compliance[k].transpose())});
+  const fem::TensorFit fit = fem::fit_compliance_law(
+      points, fem::retardation_grid(options.first_time, options.last_time, n_terms));
+  return {fit.law,
+          false,
+          fit.relative_rms,
+          fit.largest_relative_error,
+          fit.optimality_gap,
+          samples.stepping_error,
+          options.first_time,
+          options.last_time};
+}
+
+} // namespace coupling
