@@ -53,4 +53,9 @@ std::vector<std::string> make_study_figure(const std::filesystem::path& folder)
   return draw("work_precision.py", {folder.string()});
 }
 
+std::vector<std::string> make_fit_figures(const std::filesystem::path& folder)
+{
+  return draw("fit.py", {folder.string()});
+}
+
 } // namespace apps

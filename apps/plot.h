@@ -14,4 +14,7 @@ std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& 
 /// Draws the figure of a study of solvers from the study.csv in its folder. \return the same
 std::vector<std::string> make_study_figure(const std::filesystem::path& folder);
 
+/// Draws the figures of a fit from the tables in its folder. \return the same
+std::vector<std::string> make_fit_figures(const std::filesystem::path& folder);
+
 } // namespace apps

@@ -63,6 +63,8 @@ Units::Units()
   if (!system_)
     throw std::runtime_error("the unit database of UDUNITS-2 cannot be read; is libudunits2-data "
                              "installed?");
+  const Unit degree(system_.get(), "degree"); // the unit of laboratories for phase angles
+  ut_map_name_to_unit("deg", UT_ASCII, degree.unit);
 }
 
 Units::~Units() = default;

@@ -7,7 +7,7 @@ struct ut_system;
 
 namespace apps {
 
-/// The units of UDUNITS-2: "kPa", "N s/m", "degC", "1/s".
+/// The units of UDUNITS-2: "kPa", "N s/m", "degC", "1/s"; and "deg" for degrees of angle.
 class Units {
 public:
   Units();
