@@ -7,6 +7,7 @@ Reads curve.csv and residuals.csv in the folder, writes fit.png and, for a dynam
 angles, complex_modulus.png beside them and prints their paths.
 """
 import csv
+import functools
 import logging
 import os
 import sys
@@ -19,7 +20,7 @@ try:
     import numpy as np
     from matplotlib.figure import Figure
 
-    from plot import DPI, STYLE, WIDTH
+    from plot import DPI, STYLE, WIDTH, log_label
     from results import COLOURS
 except ImportError as problem:
     sys.exit(f"fit.py: {problem}")
@@ -78,6 +79,7 @@ def save(figure, path, about, note):
 def draw_fit(about, curve, points, folder):
     """Measured and fitted curve over reduced time or frequency; errors below."""
     at = column(curve, "reduced")
+    axis = at.removeprefix("reduced ") if about["shift"] == "none" else at
     quantity = column(curve, "creep", "relaxation", "dynamic")
     with_phase = not np.isnan(points["phase angle [deg]"]).all()
     figure = Figure(figsize=(WIDTH, 6.4), dpi=DPI)
@@ -100,15 +102,20 @@ def draw_fit(about, curve, points, folder):
             lower.plot(points[at][mask], error, ls="", ms=4, **look)
         upper.set(ylabel=name[0].upper() + name[1:], xscale="log",
                   yscale="log" if k == 0 else "linear")
+        low, high = upper.get_ylim()
+        if k == 0 and high < 50 * low:  # few powers of ten to be labels
+            label = functools.partial(log_label, form="{:g}", every=high < 5 * low)
+            upper.yaxis.set_major_formatter(label)
+            upper.yaxis.set_minor_formatter(label)
         lower.axhline(0, color="0.2", lw=1)
-        lower.set(xlabel=at[0].upper() + at[1:],
-                  ylabel="Fit − measured [%]" if k == 0 else "Fit − measured [deg]")
+        lower.set(xlabel=axis[0].upper() + axis[1:],
+                  ylabel="Error [%]" if k == 0 else "Error [deg]")
         limit = 1.15 * max(abs(v) for v in lower.get_ylim())
         lower.set_ylim(-limit, limit)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, ncol=8, loc="upper left", borderaxespad=0, borderpad=0,
                   bbox_to_anchor=(0.095, 1 - 0.5 / 6.4))
-    save(figure, folder / "fit.png", about, "Points: measured.")
+    save(figure, folder / "fit.png", about, "Points: measured. Errors: fit minus measured.")
 
 
 def draw_complex_modulus(about, curve, points, folder):
