@@ -14,7 +14,8 @@ public:
   ~Units();
   Units(const Units&) = delete;
 
-  /// A number in one unit, in another. Temperatures convert with their offset.
+  /// A number in one unit, in another. Temperatures convert with their offset; a reciprocal (s for
+  /// Hz) is another dimension.
   /// \throws std::invalid_argument if a unit is unknown or the dimensions differ
   double convert(double value, const std::string& from, const std::string& to) const;
 
