@@ -1,6 +1,7 @@
 #include "apps/calibrate.h"
 #include "apps/extract.h"
 #include "apps/files.h"
+#include "apps/fit.h"
 #include "apps/hard_cases.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
@@ -34,6 +35,7 @@ struct Arguments {
   SolverStudyOptions study;
   CalibrateOptions calibrate;
   std::string data;
+  FitOptions fit;
   bool hard = false;
 };
 
@@ -153,6 +155,33 @@ void add_calibrate(CLI::App& app, Arguments& a, std::function<int()>& action)
   });
 }
 
+void add_fit(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand("fit", "Fit a creep law to a table of a laboratory test");
+  FitOptions& v = a.fit;
+  verb->add_option("data", a.table,
+                   "CSV with units in its header: time [s] and creep compliance [1/GPa] or "
+                   "relaxation modulus [MPa]; or frequency [Hz], dynamic modulus [MPa] and phase "
+                   "angle [deg]; also temperature [degC], specimen, weight")
+      ->required();
+  verb->add_option("--form", v.form, "series (default), burgers, power, sigmoid or 2s2p1d");
+  verb->add_option("--terms", v.terms, "Times of the series: a number, or auto (default)");
+  verb->add_option("--shift", v.shift, "Temperature shift: none (default), wlf, arrhenius or free");
+  verb->add_option("--reference", v.reference,
+                   "Reference temperature, such as '20 degC' (default: the measured one nearest to "
+                   "that)");
+  verb->add_option("--poisson", v.poisson_ratio,
+                   "Poisson's ratio of the isotropic law (default: 0.35)");
+  verb->add_flag("--robust", v.robust, "Wild points count less (Huber weights)");
+  verb->add_option("--bootstrap", v.bootstrap,
+                   "95 % intervals of a series from so many drawn samples")
+      ->check(CLI::Range(40, 100000));
+  verb->add_option("--seed", v.seed, "Of --bootstrap (default: 1)");
+  verb->add_flag("!--no-plots", v.plots, "No figures");
+  verb->add_option("-o,--output", v.output, "Folder (default: results/NAME-fit)");
+  verb->callback([&] { action = [&] { return fit_verb(a.table, a.fit); }; });
+}
+
 void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
 {
   CLI::App* check = app.add_subcommand("check", "Say everything that is wrong with a scene");
@@ -251,6 +280,7 @@ int main(int argc, char** argv)
   add_study(app, arguments, action);
   add_extract(app, arguments, action);
   add_calibrate(app, arguments, action);
+  add_fit(app, arguments, action);
   add_others(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);

@@ -63,4 +63,9 @@ std::vector<std::string> make_calibration_figures(const std::filesystem::path& f
   return draw("calibration.py", {folder.string()});
 }
 
+std::vector<std::string> make_fit_figures(const std::filesystem::path& folder)
+{
+  return draw("fit.py", {folder.string()});
+}
+
 } // namespace apps

@@ -20,4 +20,7 @@ std::vector<std::string> make_extraction_figures(const std::filesystem::path& fo
 /// Draws the figure of a calibrated bond law from the tables in its folder. \return the same
 std::vector<std::string> make_calibration_figures(const std::filesystem::path& folder);
 
+/// Draws the figures of a fit from the tables in its folder. \return the same
+std::vector<std::string> make_fit_figures(const std::filesystem::path& folder);
+
 } // namespace apps

@@ -63,6 +63,8 @@ Units::Units()
   if (!system_)
     throw std::runtime_error("the unit database of UDUNITS-2 cannot be read; is libudunits2-data "
                              "installed?");
+  const Unit degree(system_.get(), "degree"); // the unit of laboratories for phase angles
+  ut_map_name_to_unit("deg", UT_ASCII, degree.unit);
 }
 
 Units::~Units() = default;
@@ -78,6 +80,10 @@ double Units::convert(double value, const std::string& from, const std::string& 
   if (!ut_are_convertible(source.unit, target.unit))
     throw std::invalid_argument(fmt::format("'{}' cannot be converted to {}", trimmed(from), to));
   const Converter converter{ut_get_converter(source.unit, target.unit)};
+  const auto at = [&](double number) { return cv_convert_double(converter.converter, number); };
+  const double first = at(2) - at(1), second = at(3) - at(2);
+  if (std::abs(second - first) > 1e-6 * std::abs(first)) // UDUNITS takes GPa for 1/Pa: reciprocals
+    throw std::invalid_argument(fmt::format("'{}' cannot be converted to {}", trimmed(from), to));
   return cv_convert_double(converter.converter, value);
 }
 

@@ -7,14 +7,15 @@ struct ut_system;
 
 namespace apps {
 
-/// The units of UDUNITS-2: "kPa", "N s/m", "degC", "1/s".
+/// The units of UDUNITS-2: "kPa", "N s/m", "degC", "1/s"; and "deg" for degrees of angle.
 class Units {
 public:
   Units();
   ~Units();
   Units(const Units&) = delete;
 
-  /// A number in one unit, in another. Temperatures convert with their offset.
+  /// A number in one unit, in another. Temperatures convert with their offset; a reciprocal (s for
+  /// Hz) is another dimension.
   /// \throws std::invalid_argument if a unit is unknown or the dimensions differ
   double convert(double value, const std::string& from, const std::string& to) const;
 

@@ -56,6 +56,7 @@ struct Solution {
   int n_parameters; ///< of which the moved times of a series are not reported
   bool instantaneous_at_bound = false;
   bool converged = true;
+  std::vector<double> times = {}; ///< of a series
 };
 
 void add_parameters(Solution& solution, const std::vector<std::string>& names,
@@ -116,6 +117,7 @@ Solution solved_series(const Measurements& data, const CurveFitOptions& options,
   }
   solution.shift = make_shift(shift, x);
   const SeriesSolution found = solve_series(reduced(data, solution.shift), times);
+  solution.times = times;
   solution.form = found.creep;
   solution.residuals = found.residuals;
   solution.n_parameters = found.n_active + int(x.size());
@@ -241,21 +243,16 @@ CurveFit report(const Solution& solution, const Measurements& data, double refer
                 FormKind kind)
 {
   const Measurements shifted = reduced(data, solution.shift);
-  CurveFit fit{data.quantity,
-               kind,
-               solution.form,
-               solution.shift,
-               reference_temperature,
-               solution.parameters,
-               {},
-               0,
-               0,
-               {},
-               0,
-               time_range(shifted),
-               infinity,
-               0,
-               {}};
+  CurveFit fit;
+  fit.quantity = data.quantity;
+  fit.kind = kind;
+  fit.form = solution.form;
+  fit.shift = solution.shift;
+  fit.reference_temperature = reference_temperature;
+  fit.parameters = solution.parameters;
+  fit.times = solution.times;
+  fit.valid_time = time_range(shifted);
+  fit.lowest_temperature = infinity;
   std::vector<double> at;
   for (const Measurement& point : shifted.points)
     at.push_back(point.at);

@@ -56,19 +56,20 @@ struct FitWarning {
 
 /// A fitted curve.
 struct CurveFit {
-  Quantity quantity;
-  FormKind kind;
+  Quantity quantity = Quantity::creep_compliance;
+  FormKind kind = FormKind::series;
   Form form; ///< over reduced time
   TemperatureShift shift;
-  double reference_temperature;            ///< [K]
+  double reference_temperature = 293.15;   ///< [K]
   std::vector<FittedParameter> parameters; ///< of the form, then of the shift
+  std::vector<double> times;               ///< of a series, with those whose coefficient is 0 [s]
   std::vector<FittedPoint> points;         ///< in the order of the measurements
-  double relative_rms;                     ///< of `relative_error`, unweighted
-  double largest_relative_error;
+  double relative_rms = 0;                 ///< of `relative_error`, unweighted
+  double largest_relative_error = 0;
   std::optional<double> phase_rms; ///< [rad]
-  double criterion;                ///< `corrected_akaike` of the minimised residuals
-  TimeRange valid_time; ///< reduced times that were measured [s] (1/omega for frequencies)
-  double lowest_temperature, highest_temperature; ///< [K]
+  double criterion = 0;            ///< `corrected_akaike` of the minimised residuals
+  TimeRange valid_time{};          ///< reduced times that were measured [s] (1/omega)
+  double lowest_temperature = 0, highest_temperature = 0; ///< [K]
   std::vector<FitWarning> warnings;
 };
 

@@ -33,6 +33,16 @@ std::vector<std::string> gaps(const CurveFit& fit, const Measurements& data)
   return result;
 }
 
+/// The glassy modulus stands at the bound that keeps it finite.
+bool glassy_at_bound(const CurveFit& fit, const Measurements& data)
+{
+  const auto* law = std::get_if<TwoSpringsTwoParabolasDashpot>(&fit.form);
+  double largest = 0;
+  for (const Measurement& point : data.points)
+    largest = std::max(largest, point.value);
+  return law && law->glassy_modulus > 0.95 * largest_glassy_ratio * largest;
+}
+
 /// Times of a series closer than three a decade.
 bool has_close_times(const CurveFit& fit)
 {
@@ -64,6 +74,11 @@ std::vector<FitWarning> fit_warnings(const CurveFit& fit, const Measurements& da
     result.push_back({WarningKind::unseen_instantaneous,
                       "the data do not show the instantaneous compliance; 1/1000 of the least "
                       "measured compliance was taken"});
+  if (glassy_at_bound(fit, data))
+    result.push_back({WarningKind::unseen_instantaneous,
+                      fmt::format("the data do not show the glassy modulus E_0; it was kept below "
+                                  "{:g} times the largest measured modulus",
+                                  largest_glassy_ratio)});
   std::string uncertain;
   for (const FittedParameter& each : fit.parameters)
     if (each.unit != "log10 Pa" && !(each.standard_error < std::abs(each.value)))

@@ -14,6 +14,8 @@ namespace {
 using Eigen::VectorXd;
 using std::numbers::pi;
 
+constexpr double largest_log_beta = 23; // beta up to 1e10: no flow that data show
+
 double logistic(double x)
 {
   return 1 / (1 + std::exp(-x));
@@ -121,20 +123,22 @@ FormParameters two_springs_parameters(const Ends& ends)
                         {},
                         {}};
   for (const double low : {0.1, 0.7})
-    for (const double high : {1.5, 4.0})
+    for (const double high : {1.5, 3.5})
       for (const double time : {1.0, 0.01})
         result.starts.push_back(
-            vector({std::log(low * ends.soft), std::log(high * ends.stiff), std::log(2.0),
-                    logit(0.2), logit(0.45), std::log(10 * time * ends.first), std::log(1e4)}));
-  result.form = [](const VectorXd& x) -> Form {
+            vector({std::log(low * ends.soft), logit(high / largest_glassy_ratio), std::log(2.0),
+                    logit(0.2), logit(0.45), std::log(10 * time * ends.first),
+                    logit(std::log(1e4) / largest_log_beta)}));
+  const double bound = largest_glassy_ratio * ends.stiff;
+  result.form = [bound](const VectorXd& x) -> Form {
     const double low = std::exp(x[0]), k = logistic(x[3]);
     return TwoSpringsTwoParabolasDashpot{low,
-                                         low + std::exp(x[1]),
+                                         low + bound * logistic(x[1]),
                                          std::exp(x[2]),
                                          k,
                                          k + (1 - k) * logistic(x[4]),
                                          std::exp(x[5]),
-                                         std::exp(x[6])};
+                                         std::exp(largest_log_beta * logistic(x[6]))};
   };
   result.constants = [](const Form& form) {
     const auto& law = std::get<TwoSpringsTwoParabolasDashpot>(form);

@@ -39,6 +39,10 @@ struct FormParameters {
   std::function<Eigen::VectorXd(const Form&)> constants; ///< in SI units, in the order of the names
 };
 
+/// The glassy modulus E_0 of 2S2P1D is kept below E_00 plus so many times the largest measured
+/// modulus: data that end before the plateau would let it grow without end.
+inline constexpr double largest_glassy_ratio = 4;
+
 /// Parameters of any form but the series, with starts for measurements over reduced time or
 /// frequency.
 FormParameters form_parameters(FormKind kind, const Measurements& reduced);

@@ -33,7 +33,7 @@ std::string matrix_text(const Mat6& matrix)
   for (Eigen::Index i = 0; i < 6; ++i) {
     text += " ";
     for (Eigen::Index j = 0; j < 6; ++j)
-      text += fmt::format(" {}", matrix(i, j));
+      text += fmt::format(" {}", matrix(i, j) + 0.0); // no "-0"
     text += "\n";
   }
   return text;

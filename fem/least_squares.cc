@@ -122,7 +122,7 @@ LeastSquaresResult levenberg_marquardt(const ResidualFunction& residuals, const 
     const bool tiny = !(step.norm() > 1e-10 * (1 + at.parameters.norm()));
     if (std::isfinite(objective) && objective <= at.objective) {
       const double ratio = (at.objective - objective) / std::max(promised, 1e-300);
-      at.converged = tiny || at.objective - objective <= 1e-14 * at.objective;
+      at.converged = tiny || at.objective - objective <= 1e-12 * at.objective;
       at.parameters = tried;
       at.residuals = found;
       at.objective = objective;

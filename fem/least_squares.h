@@ -28,7 +28,7 @@ struct LeastSquaresResult {
 /// Local minimum of the sum of squares by Levenberg's and Marquardt's method with Nielsen's damping
 /// and a Jacobian by central differences of step 1e-6; parameters should be of order one
 /// (logarithms of what is positive). Residuals that are not finite make a step fail. Ends when a
-/// step is below 1e-10 of the parameters or changes the objective by less than 1e-14. \throws
+/// step is below 1e-10 of the parameters or changes the objective by less than 1e-12. \throws
 /// std::invalid_argument if the residuals at the start are not finite
 LeastSquaresResult levenberg_marquardt(const ResidualFunction& residuals,
                                        const Eigen::VectorXd& start, int max_iterations = 200);

@@ -24,6 +24,13 @@ std::string refusal(const std::string& text, const std::string& unit)
 
 } // namespace
 
+TEST(Quantity, RefusesReciprocalsAndKnowsDegrees)
+{
+  EXPECT_EQ(refusal("5 GPa", "1/Pa"), "'GPa' cannot be converted to 1/Pa");
+  EXPECT_EQ(refusal("200 s", "1/s"), "'s' cannot be converted to 1/s");
+  EXPECT_NEAR(Units().parse("180 deg", "rad", "rad"), std::acos(-1.0), 1e-15);
+}
+
 TEST(Quantity, ConvertsTheUnitsOfScenes)
 {
   struct Case {
