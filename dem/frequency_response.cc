@@ -1,5 +1,7 @@
 #include "dem/frequency_response.h"
 
+#include "dem/one_thread.h"
+
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <fmt/format.h>
@@ -185,6 +187,7 @@ FrequencyResponse frequency_response(const VolumeElement& element, std::span<con
 {
   constexpr int most_growths = 100; // at one frequency; the theory says about 20
   validate(element, omega, tolerance);
+  const OneThread one_thread; // the products are too short for more
   FrequencyResponse result{{omega.begin(), omega.end()},
                            std::vector<ComplexMat6>(omega.size(), ComplexMat6::Zero()),
                            std::vector<double>(omega.size(), 0.0)};

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <omp.h>
 
 #include <cmath>
 #include <numbers>
@@ -234,6 +235,20 @@ TEST(FrequencyResponse, IsTheSteadyStateOfTimeStepping)
   }
   EXPECT_LT(error[1], 1e-3);
   EXPECT_NEAR(std::log2(error[0] / error[1]), 2, 0.1);
+}
+
+TEST(FrequencyResponse, DoesNotDependOnTheNumberOfThreads)
+{
+  const VolumeElement element = elements::two_law_cube(150, 4);
+  const std::vector<double> omega{1e-4, 1e-2, 1, 30};
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const FrequencyResponse one = frequency_response(element, omega);
+  omp_set_num_threads(4);
+  const FrequencyResponse four = frequency_response(element, omega);
+  omp_set_num_threads(before);
+  for (std::size_t k = 0; k < omega.size(); ++k)
+    EXPECT_EQ(one.stiffness[k], four.stiffness[k]);
 }
 
 TEST(FrequencyResponse, RefusesWhatIsNoFrequency)
