@@ -1,5 +1,7 @@
 #include "dem/frequency_response.h"
 
+#include "dem/one_thread.h"
+
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <fmt/format.h>
@@ -7,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 
 namespace dem {
@@ -88,7 +89,6 @@ public:
   struct Answer {
     ComplexMat6 stiffness; ///< times the volume
     MatrixXcd residual;    ///< nodal forces out of balance
-    double relative;       ///< their size over that of the loads
   };
   Answer answer(std::span<const Complex> kappa) const
   {
@@ -99,18 +99,14 @@ public:
       loads += kappa[g] * group_[g].reduced_loads;
     }
     const MatrixXcd share = m > 0 ? MatrixXcd(-matrix.partialPivLu().solve(loads)) : loads;
-    Answer result{loads.transpose() * share, MatrixXcd::Zero(basis_.rows(), 6), 0};
-    MatrixXcd full_loads = result.residual;
+    Answer result{loads.transpose() * share, MatrixXcd::Zero(basis_.rows(), 6)};
     for (std::size_t g = 0; g < group_.size(); ++g) {
       result.stiffness += kappa[g] * group_[g].affine;
-      full_loads += kappa[g] * group_[g].loads;
+      result.residual += kappa[g] * group_[g].loads;
       const MatrixXcd weighted = kappa[g] * share;
       result.residual.real() += group_[g].image * weighted.real();
       result.residual.imag() += group_[g].image * weighted.imag();
     }
-    result.residual += full_loads;
-    const double size = full_loads.norm();
-    result.relative = size > 0 ? result.residual.norm() / size : 0;
     return result;
   }
 
@@ -178,6 +174,17 @@ std::vector<double> elastic_stiffness(std::span<const LawGroup> groups,
   return result;
 }
 
+/// R^H Z relative to the stiffness, given Z as real and imaginary parts. Without a basis: 1.
+double relative_error(const ReducedNetwork::Answer& answer, const MatrixXd& moves)
+{
+  const MatrixXcd z = moves.leftCols<6>() + Complex(0, 1) * moves.rightCols<6>();
+  const ComplexMat6 energy = answer.residual.adjoint() * z;
+  const double size = answer.stiffness.norm();
+  if (!(energy.norm() > 1e-15 * size))
+    return 0;
+  return Eigen::FullPivLU<ComplexMat6>(answer.stiffness).solve(energy).norm();
+}
+
 } // namespace
 
 FrequencyResponse frequency_response(const VolumeElement& element, std::span<const double> omega,
@@ -185,6 +192,7 @@ FrequencyResponse frequency_response(const VolumeElement& element, std::span<con
 {
   constexpr int most_growths = 100; // at one frequency; the theory says about 20
   validate(element, omega, tolerance);
+  const OneThread one_thread; // the products are too short for more
   FrequencyResponse result{{omega.begin(), omega.end()},
                            std::vector<ComplexMat6>(omega.size(), ComplexMat6::Zero()),
                            std::vector<double>(omega.size(), 0.0)};
@@ -202,21 +210,17 @@ FrequencyResponse frequency_response(const VolumeElement& element, std::span<con
     std::vector<Complex> kappa;
     for (const LawGroup& group : groups)
       kappa.push_back(relative_stiffness(group.creep, omega[i]));
-    std::optional<MacroSolver> solver;
-    ReducedNetwork::Answer now = network.answer(kappa);
-    for (int growth = 0; now.relative > tolerance && growth < most_growths; ++growth) {
-      if (!solver) {
-        solver.emplace(macro, pins, elastic_stiffness(groups, kappa));
-        ++result.n_factorisations;
-      }
+    const MacroSolver solver(macro, pins, elastic_stiffness(groups, kappa));
+    for (int growth = 0; growth <= most_growths; ++growth) {
+      const ReducedNetwork::Answer now = network.answer(kappa);
       MatrixXd columns(macro.n_dofs(), 12);
       columns << now.residual.real(), now.residual.imag();
-      if (network.grow(solver->solve_once(columns)) == 0)
+      const MatrixXd moves = solver.solve_once(columns);
+      result.stiffness[i] = now.stiffness / macro.volume;
+      result.error[i] = relative_error(now, moves);
+      if (result.error[i] <= tolerance || network.grow(moves) == 0)
         break;
-      now = network.answer(kappa);
     }
-    result.stiffness[i] = now.stiffness / macro.volume;
-    result.residual[i] = now.relative;
   }
   result.basis_size = network.size();
   return result;

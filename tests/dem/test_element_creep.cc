@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <omp.h>
 
 #include <cmath>
 #include <numbers>
@@ -193,7 +194,7 @@ TEST(FrequencyResponse, IsThatOfTheFullComplexNetwork)
     }
     expected -= loads.transpose() * matrix.partialPivLu().solve(loads);
     EXPECT_LT(distance(response.stiffness[k], expected / macro.volume), 1e-9) << omega[k];
-    EXPECT_LE(response.residual[k], 1e-6);
+    EXPECT_LE(response.error[k], 1e-9);
   }
 }
 
@@ -207,7 +208,7 @@ TEST(FrequencyResponse, OfOneLawIsTheElasticOneTimesTheLaw)
     EXPECT_LT(distance(complex_compliance(response.stiffness[k]),
                        complex_compliance(element, elastic, omega[k])),
               1e-10);
-  EXPECT_EQ(response.n_factorisations, 1);
+  EXPECT_LE(response.basis_size, 18); // the first frequency, and its round-off
 }
 
 TEST(FrequencyResponse, IsTheSteadyStateOfTimeStepping)
@@ -234,6 +235,35 @@ TEST(FrequencyResponse, IsTheSteadyStateOfTimeStepping)
   }
   EXPECT_LT(error[1], 1e-3);
   EXPECT_NEAR(std::log2(error[0] / error[1]), 2, 0.1);
+}
+
+TEST(FrequencyResponse, SeesASoftLawBetweenStiffOnes)
+{
+  // stiffness ratio 1e8: forces out of balance in soft bonds vanish beside the loads of stiff ones
+  const CreepLaw hard = scaled(stiff, 1e8 / 3);
+  const VolumeElement element = two_law_row(soft, hard);
+  const std::vector<double> omega{1e-3, 0.02, 0.1, 1};
+  const FrequencyResponse response = frequency_response(element, omega);
+  for (std::size_t k = 0; k < omega.size(); ++k) {
+    const std::complex<double> expected =
+        diameter / 2 * (complex_compliance(soft, omega[k]) + complex_compliance(hard, omega[k]));
+    const ComplexMat6 s = complex_compliance(response.stiffness[k]);
+    EXPECT_LT(std::abs(s(0, 0) / expected - 1.0), 1e-6) << omega[k];
+  }
+}
+
+TEST(FrequencyResponse, DoesNotDependOnTheNumberOfThreads)
+{
+  const VolumeElement element = elements::two_law_cube(150, 4);
+  const std::vector<double> omega{1e-4, 1e-2, 1, 30};
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const FrequencyResponse one = frequency_response(element, omega);
+  omp_set_num_threads(4);
+  const FrequencyResponse four = frequency_response(element, omega);
+  omp_set_num_threads(before);
+  for (std::size_t k = 0; k < omega.size(); ++k)
+    EXPECT_EQ(one.stiffness[k], four.stiffness[k]);
 }
 
 TEST(FrequencyResponse, RefusesWhatIsNoFrequency)

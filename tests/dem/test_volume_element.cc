@@ -155,3 +155,49 @@ TEST(VolumeElement, LooseClustersAreListedAndCarryNothing)
     }
   }
 }
+
+TEST(VolumeElement, SuperWeakBondsEqualNoBonds)
+{
+  const double d = 4e-3;
+  const Crystal crystal = repeated(simple_cubic(d), 2);
+  Particles particles{crystal.centre, std::vector<double>(8, d / 2), std::vector<int>(8, 0)};
+  PeriodicContacts contacts = periodic_contacts_within(crystal.cell, particles, 1e-6);
+  const std::vector<BondLaw> laws{bond(), {burgers(1e-6, 1e9, 5e5, 1e8), 11, 1}};
+  const std::vector<PairLaw> pair_laws{{0, 0, 0}, {0, 1, 1}};
+  particles.centre.push_back(Vec3(d / 2, d / 2, d / 2)); // in a void
+  particles.radius.push_back(0.3 * d);
+  particles.material_class.push_back(1);
+  const auto stiffness = [&] {
+    return homogenize(make_volume_element(crystal.cell, particles, contacts, laws, pair_laws))
+        .stiffness;
+  };
+  const Mat6 without = stiffness();
+  for (const Index corner : {0, 1, 2, 4}) {
+    contacts.pairs.push_back({corner, 8});
+    contacts.shift.push_back(ImageShift::Zero());
+  }
+  EXPECT_LT((stiffness() - without).norm(), 1e-11 * without.norm());
+}
+
+TEST(VolumeElement, ClustersBecomeWhole)
+{
+  // a pair whose bond crosses a face, and a chain along y that leaves the cell and comes back
+  const Particles particles{
+      {Vec3(0.05, 0.5, 0.5), Vec3(0.95, 0.5, 0.5), Vec3(0.5, 0.1, 0.1), Vec3(0.5, 0.6, 0.1)},
+      {0.05, 0.05, 0.25, 0.25},
+      {0, 0, 0, 0}};
+  const ImageShift none = ImageShift::Zero(), y(0, 1, 0);
+  const VolumeElement element =
+      element_with(particles, {{{0, 1}, {2, 3}, {3, 2}}, {ImageShift(-1, 0, 0), none, y}, 0});
+  const Clusters clusters = find_clusters(element, std::vector<BondStatus>(3, BondStatus::intact));
+  ASSERT_EQ(clusters.cluster.size(), 2u);
+  EXPECT_TRUE(clusters.cluster[0].direction.empty());
+  ASSERT_EQ(clusters.cluster[1].direction.size(), 1u);
+  EXPECT_NEAR(clusters.cluster[1].direction[0].normalized().cwiseAbs().y(), 1, 1e-15);
+  const VolumeElement whole = with_whole_clusters(element);
+  EXPECT_TRUE(whole.shift[0].isZero());
+  EXPECT_NEAR(whole.particles.centre[1].x(), -0.05, 1e-15);
+  for (std::size_t b = 0; b < 3; ++b)
+    EXPECT_LT((branch(whole, b) - branch(element, b)).norm(), 1e-15);
+  EXPECT_THROW(homogenize(element, BoundaryCondition::uniform_traction), std::invalid_argument);
+}
