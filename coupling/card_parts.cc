@@ -118,13 +118,14 @@ std::string isotropy_note(const fem::LawRecord& record)
   const fem::ComplianceLaw constant_bulk =
       compliance_law({creep.shear, {creep.bulk.instantaneous, 0, {}}});
   const double apart = fem::distance(record.law, fem::Symmetry{});
-  return fmt::format(
-      "The format is isotropic: this law is {:.2g} % from the nearest isotropic one, which changes "
-      "the uniaxial creep compliance D(t) by up to {:.2g} %. Both shear and bulk modulus relax in "
-      "the card; a constant bulk modulus would change D(t) by up to {:.2g} %.",
-      apart < 1e-12 ? 0 : 100 * apart,
-      apart < 1e-12 ? 0 : 100 * creep_error(nearest, record.law, range),
-      100 * creep_error(constant_bulk, nearest, range));
+  const std::string anisotropy =
+      apart < 1e-12 ? ", as this law is"
+                    : fmt::format(": this law is {:.2g} % from the nearest isotropic one, which "
+                                  "changes the uniaxial creep compliance D(t) by up to {:.2g} %",
+                                  100 * apart, 100 * creep_error(nearest, record.law, range));
+  return fmt::format("The format is isotropic{}. Both shear and bulk modulus relax in the card; a "
+                     "constant bulk modulus would change D(t) by up to {:.2g} %.",
+                     anisotropy, 100 * creep_error(constant_bulk, nearest, range));
 }
 
 std::string shift_note(const fem::LawRecord& record, bool carried)

@@ -37,7 +37,7 @@ std::string properties(const dem::CreepLaw& law, double ratio, double friction)
          property("bur_csk", kelvin.viscosity / ratio) +
          property("bur_ksm", law.maxwell_stiffness / ratio) +
          property("bur_csm", *law.maxwell_viscosity / ratio) +
-         fmt::format("  bur_fric {}\n", digits(friction));
+         fmt::format("  bur_fric {} ...\n  bur_mode 0\n", digits(friction)); // pulls, too
 }
 
 } // namespace
@@ -59,7 +59,8 @@ ContactCard pfc_card(const dem::BondLaw& law, double friction, double last_time)
         card.creep_error,
         std::abs(dem::creep_compliance(element, t) / dem::creep_compliance(law.creep, t) - 1));
   card.limits = fmt::format(
-      "The contact model has no bending or torsion stiffness, no strength and one Kelvin branch; "
+      "The contact model has no bending or torsion stiffness, never breaks and has one Kelvin "
+      "branch; "
       "parts that the law does not have are {:g} times stiffer than the spring, which changes "
       "J(t) by up to {:.2g} %. Its shear force ends at Coulomb's limit, also where a bond would "
       "hold. The constants hold at the temperature for which they are given.",
