@@ -159,15 +159,23 @@ std::string behaviour_text(const fem::LawRecord& record, const CardUnits& units,
          update_code + "}\n";
 }
 
+/// Strain along an axis under a constant stress along axis 1, in closed form.
+std::string strain_formula(const fem::ComplianceLaw& law, double stress, int axis)
+{
+  const auto number = [&](double value) {
+    return value < 0 ? "(" + digits(value) + ")" : digits(value);
+  };
+  std::string formula = fmt::format("{} + {} * t", number(stress * law.instantaneous(axis, 0)),
+                                    number(stress * law.fluidity(axis, 0)));
+  for (const fem::RetardationTerm& term : law.terms)
+    formula += fmt::format(" + {} * (1 - exp(-t / {}))", number(stress * term.compliance(axis, 0)),
+                           digits(term.time));
+  return formula;
+}
+
 std::string deck_text(const fem::LawRecord& record, const CardUnits& units, const CreepCheck& check)
 {
-  const fem::ComplianceLaw& law = record.law;
   const double ramp = 1e-6 * check.times.front();
-  std::string formula = fmt::format("{} + {} * t", digits(check.stress * law.instantaneous(0, 0)),
-                                    digits(check.stress * law.fluidity(0, 0)));
-  for (const fem::RetardationTerm& term : law.terms)
-    formula += fmt::format(" + {} * (1 - exp(-t / {}))",
-                           digits(check.stress * term.compliance(0, 0)), digits(term.time));
   std::string times = fmt::format("0, {}", digits(ramp));
   for (const double until : check.times)
     times += fmt::format(", {} in 20", digits(until));
@@ -180,11 +188,13 @@ std::string deck_text(const fem::LawRecord& record, const CardUnits& units, cons
                      "@Behaviour<generic> 'src/libBehaviour.so' 'MasticCreep';\n"
                      "@ExternalStateVariable 'Temperature' {0:.6f};\n"
                      "@ImposedStress 'SXX' {{0 : 0, {1} : {2}, {3} : {2}}};\n"
-                     "@Times {{{4}}};\n"
-                     "@Test<function> 'EXX' '{5}' {6};\n",
+                     "@StressEpsilon {7};\n@Times {{{4}}};\n"
+                     "@Test<function> 'EXX' '{5}' {6};\n@Test<function> 'EYY' '{8}' {6};\n",
                      record.reference_temperature, digits(ramp),
                      digits(check.stress / units.stress), digits(check.times.back()), times,
-                     formula, digits(1e-4 * check.axial.front()));
+                     strain_formula(record.law, check.stress, 0),
+                     digits(1e-4 * check.axial.front()), digits(1e-8 * check.stress / units.stress),
+                     strain_formula(record.law, check.stress, 1));
 }
 
 } // namespace

@@ -89,4 +89,27 @@ inline double creep_difference(const coupling::IsotropicRelaxation& found,
   return largest;
 }
 
+/// G(t) and K(t) from Young's modulus and Poisson's ratio and pairs (g, rho), (k, rho).
+inline coupling::IsotropicRelaxation moduli(double young, double poisson,
+                                            const coupling::PronySeries& parts)
+{
+  coupling::PronySeries series = parts;
+  series.shear_modulus = young / (2 * (1 + poisson));
+  series.bulk_modulus = young / (3 * (1 - 2 * poisson));
+  return coupling::isotropic_relaxation(series);
+}
+
+inline coupling::IsotropicRelaxation read_abaqus(const std::string& text, double stress)
+{
+  const auto lines = lines_of(text);
+  const auto elastic = numbers(lines.at(find(lines, "*ELASTIC, MODULI=INSTANTANEOUS") + 1));
+  coupling::PronySeries series;
+  for (std::size_t i = find(lines, "*VISCOELASTIC, TIME=PRONY") + 1;
+       i < lines.size() && lines[i][0] != '*'; ++i) {
+    const auto row = numbers(lines[i]);
+    series.terms.push_back({row.at(2), row.at(0), row.at(1)});
+  }
+  return moduli(stress * elastic.at(0), elastic.at(1), series);
+}
+
 } // namespace cards

@@ -7,29 +7,6 @@ namespace {
 const std::vector<fem::LawRecord> records{
     cards::isotropic_record(true), cards::isotropic_record(false), cards::anisotropic_record()};
 
-/// G(t) and K(t) from Young's modulus and Poisson's ratio and pairs (g, rho), (k, rho).
-IsotropicRelaxation moduli(double young, double poisson, const PronySeries& parts)
-{
-  PronySeries series = parts;
-  series.shear_modulus = young / (2 * (1 + poisson));
-  series.bulk_modulus = young / (3 * (1 - 2 * poisson));
-  return isotropic_relaxation(series);
-}
-
-IsotropicRelaxation read_abaqus(const std::string& text, double stress)
-{
-  const auto lines = cards::lines_of(text);
-  const auto elastic =
-      cards::numbers(lines.at(cards::find(lines, "*ELASTIC, MODULI=INSTANTANEOUS") + 1));
-  PronySeries series;
-  for (std::size_t i = cards::find(lines, "*VISCOELASTIC, TIME=PRONY") + 1;
-       i < lines.size() && lines[i][0] != '*'; ++i) {
-    const auto row = cards::numbers(lines[i]);
-    series.terms.push_back({row.at(2), row.at(0), row.at(1)});
-  }
-  return moduli(stress * elastic.at(0), elastic.at(1), series);
-}
-
 IsotropicRelaxation read_ansys(const std::string& text, double stress)
 {
   PronySeries series;
@@ -49,7 +26,7 @@ IsotropicRelaxation read_ansys(const std::string& text, double stress)
                                    : PronyTerm{row.at(2), 0, row.at(1)});
     }
   }
-  return moduli(stress * young, poisson, series);
+  return cards::moduli(stress * young, poisson, series);
 }
 
 IsotropicRelaxation read_ls_dyna(const std::string& text, double stress)
@@ -112,10 +89,10 @@ TEST(MaterialCards, NumbersOfEachProgramMakeTheLawAgain)
       const auto read = [&](const MaterialCard& from, const char* name) {
         return cards::text_of(from.files, name);
       };
-      EXPECT_LT(
-          cards::creep_difference(read_abaqus(read(abaqus, "mastic_abaqus.inp"), units.stress),
-                                  abaqus.represented),
-          1e-6);
+      EXPECT_LT(cards::creep_difference(
+                    cards::read_abaqus(read(abaqus, "mastic_abaqus.inp"), units.stress),
+                    abaqus.represented),
+                1e-6);
       EXPECT_LT(cards::creep_difference(read_ansys(read(ansys, "mastic_ansys.inp"), units.stress),
                                         ansys.represented),
                 1e-6);
@@ -217,9 +194,9 @@ TEST(MaterialCards, DoNotDependOnTheUnits)
   const MaterialCard si = material_card(records[1], CardFormat::abaqus, si_units());
   const MaterialCard mm = material_card(records[1], CardFormat::abaqus, millimetre_units());
   const IsotropicRelaxation a =
-      read_abaqus(cards::text_of(si.files, "mastic_abaqus.inp"), si_units().stress);
+      cards::read_abaqus(cards::text_of(si.files, "mastic_abaqus.inp"), si_units().stress);
   const IsotropicRelaxation b =
-      read_abaqus(cards::text_of(mm.files, "mastic_abaqus.inp"), millimetre_units().stress);
+      cards::read_abaqus(cards::text_of(mm.files, "mastic_abaqus.inp"), millimetre_units().stress);
   for (double t = 0.01; t < 1e4; t *= 3)
     EXPECT_NEAR(fem::value(a.shear, t) / fem::value(b.shear, t), 1, 1e-9);
 }
