@@ -4,6 +4,7 @@
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/specimen.h"
+#include "dem/realisations.h"
 #include "fem/symmetry.h"
 
 #include <boost/math/distributions/students_t.hpp>
@@ -21,8 +22,6 @@ namespace apps {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// An element should hold so many of its largest particles along each edge.
-constexpr double least_size_ratio = 5;
 
 Scatter scatter(const std::vector<double>& values)
 {
@@ -50,13 +49,13 @@ std::size_t wanted_condition(const Scene& scene)
                      all_conditions.begin());
 }
 
-SizeResult summed_up(const Scene& scene, const std::vector<const Realization*>& group)
+SizeResult summed_up(const Scene& scene, const std::vector<const Realisation*>& group)
 {
   const std::size_t wanted = wanted_condition(scene);
   SizeResult result{group.front()->n_particles, 0, {}, {}, {}, 0};
   std::vector<double> young, poisson;
   dem::Mat6 mean = dem::Mat6::Zero();
-  for (const Realization* each : group) {
+  for (const Realisation* each : group) {
     const dem::Mat6 compliance = dem::compliance(*each->stiffness[wanted]);
     const auto constants = isotropic_constants(compliance);
     young.push_back(constants.young[0]);
@@ -69,7 +68,7 @@ SizeResult summed_up(const Scene& scene, const std::vector<const Realization*>& 
   result.anisotropy = fem::distance(mean, fem::Symmetry{});
   for (std::size_t k = 0; k < all_conditions.size(); ++k) {
     std::vector<double> values;
-    for (const Realization* each : group)
+    for (const Realisation* each : group)
       if (each->stiffness[k])
         values.push_back(isotropic_constants(dem::compliance(*each->stiffness[k])).young[0]);
     if (!values.empty())
@@ -78,18 +77,18 @@ SizeResult summed_up(const Scene& scene, const std::vector<const Realization*>& 
   return result;
 }
 
-coupling::ExtractedLaw law_of(const Scene& scene, const std::vector<const Realization*>& group)
+coupling::ExtractedLaw law_of(const Scene& scene, const std::vector<const Realisation*>& group)
 {
   const VolumeElementInput& v = scene.element;
   const std::vector<dem::BondLaw> laws = bond_laws(scene, 1);
   if (const auto proportional = dem::proportional_laws(laws)) {
     dem::Mat6 mean = dem::Mat6::Zero();
-    for (const Realization* each : group)
+    for (const Realisation* each : group)
       mean += dem::compliance(*each->stiffness[wanted_condition(scene)]) / double(group.size());
     return {coupling::proportional_law(mean, proportional->creep), true, 0, 0, 0, 0, 0, infinity};
   }
   std::vector<coupling::MeanCompliance> samples;
-  for (const Realization* each : group)
+  for (const Realisation* each : group)
     samples.push_back(*each->samples);
   return coupling::fitted_law(
       coupling::mean_of(samples),
@@ -118,24 +117,35 @@ fem::TemperatureShift law_shift(const Scene::Temperature& v)
 }
 
 /// Whether one element of a size, and the mean of those computed, is good for the accuracy.
-std::string verdict(const SizeResult& s, double accuracy)
+std::string verdict(const std::vector<const Realisation*>& group, const SizeResult& size,
+                    double accuracy)
 {
-  if (s.young.n < 2)
+  std::vector<dem::ElementBounds> bounds;
+  for (const Realisation* each : group)
+    if (each->stiffness[1] && each->stiffness[2] && each->stiffness[3])
+      bounds.push_back(
+          {*each->stiffness[1], *each->stiffness[2], *each->stiffness[3], each->size_ratio});
+  if (group.size() < 2)
     return "one realisation says nothing about scatter; Realisations = 4 or more does";
-  const double one = 1.96 * s.young.deviation / s.young.mean, all = s.young.band / s.young.mean;
-  const bool small = s.size_ratio < least_size_ratio;
-  std::string text = fmt::format(
-      "{} spheres: {} for {:g} % as a single volume (95 % of such volumes lie within {:.2g} % of "
-      "the mean); the mean of the {} is known to {:.2g} %",
-      s.n_particles, one <= accuracy && !small ? "large enough" : "NOT large enough",
-      100 * accuracy, 100 * one, s.young.n, 100 * all);
-  if (one > accuracy)
-    text += fmt::format("; if scatter falls with the square root of the volume, {:.2g} spheres "
-                        "would do",
-                        double(s.n_particles) * (one / accuracy) * (one / accuracy));
-  if (small)
-    text += fmt::format("; its edge is only {:.2g} times the largest sphere, below {:g}",
-                        s.size_ratio, least_size_ratio);
+  if (bounds.size() < group.size())
+    return fmt::format(
+        "{} spheres: Young's modulus of one volume scatters by {:.2g} %, the mean of "
+        "{} is known to {:.2g} %; no verdict without all bounds",
+        size.n_particles, 100 * size.young.deviation / size.young.mean, size.young.n,
+        100 * size.young.band / size.young.mean);
+  const dem::SizeVerdict v = dem::judge_size(bounds, accuracy);
+  std::string text =
+      fmt::format("{} spheres: {} for {:g} %{}. Stiffness of one volume scatters by {:.2g} %, the "
+                  "mean of {} is "
+                  "known to {:.2g} %; half the distance of the bounds is {:.2g} %",
+                  size.n_particles, v.is_large_enough ? "large enough" : "NOT large enough",
+                  100 * accuracy, v.is_large_enough ? "" : ": " + v.reason, 100 * v.scatter,
+                  group.size(), 100 * v.band, 100 * v.gap);
+  if (v.scatter > accuracy)
+    text +=
+        fmt::format("; if scatter falls with the square root of the volume, {:.2g} spheres "
+                    "scatter by {:g} %",
+                    double(size.n_particles) * std::pow(v.scatter / accuracy, 2), 100 * accuracy);
   return text;
 }
 
@@ -154,7 +164,7 @@ void compare_sizes(Extraction& e)
   }
 }
 
-std::vector<RealizationTask> tasks_of(const Scene& scene)
+std::vector<RealisationTask> tasks_of(const Scene& scene)
 {
   const bool several_laws = !dem::proportional_laws(bond_laws(scene, 1));
   std::vector<std::size_t> sizes;
@@ -163,7 +173,7 @@ std::vector<RealizationTask> tasks_of(const Scene& scene)
   if (sizes.empty())
     sizes.push_back(std::size_t(scene.specimen.n_particles));
   std::ranges::sort(sizes);
-  std::vector<RealizationTask> tasks;
+  std::vector<RealisationTask> tasks;
   const bool grown = scene.element.source == ElementSource::grow;
   for (auto n = sizes.rbegin(); n != sizes.rend(); ++n) // the longest first: threads end together
     for (long k = 0; k < (grown ? scene.element.n_realisations : 1); ++k)
@@ -189,12 +199,12 @@ void check_input(const Scene& scene)
 
 } // namespace
 
-Extraction sum_up(const LoadedScene& loaded, std::vector<Realization> realizations)
+Extraction sum_up(const LoadedScene& loaded, std::vector<Realisation> realisations)
 {
   const Scene& scene = *loaded.scene;
-  Extraction e{std::move(realizations), {}, {}, 0, {}, {}};
-  std::map<std::size_t, std::vector<const Realization*>> groups;
-  for (const Realization& each : e.realizations)
+  Extraction e{std::move(realisations), {}, {}, 0, {}, {}};
+  std::map<std::size_t, std::vector<const Realisation*>> groups;
+  for (const Realisation& each : e.realisations)
     groups[each.n_particles].push_back(&each);
   for (const auto& [n, group] : groups)
     e.sizes.push_back(summed_up(scene, group));
@@ -224,7 +234,7 @@ Extraction sum_up(const LoadedScene& loaded, std::vector<Realization> realizatio
   if (const std::string keys = estimated_keys(loaded); !keys.empty())
     e.record.provenance.push_back("estimated, not measured: " + keys);
   for (const SizeResult& size : e.sizes)
-    e.notes.push_back(verdict(size, scene.element.accuracy));
+    e.notes.push_back(verdict(groups[size.n_particles], size, scene.element.accuracy));
   compare_sizes(e);
   return e;
 }
@@ -243,9 +253,9 @@ int extract_verb(const std::string& file, const std::string& output, const RunOp
   make_folder(store.folder);
   fmt::print("{}{}\n", scene.name, scene.scene->title.empty() ? "" : ": " + scene.scene->title);
   std::fflush(stdout);
-  const std::vector<RealizationTask> tasks = tasks_of(*scene.scene);
-  std::vector<Realization> done;
-  for (std::optional<Realization>& each : realize_all(scene, tasks, store, options))
+  const std::vector<RealisationTask> tasks = tasks_of(*scene.scene);
+  std::vector<Realisation> done;
+  for (std::optional<Realisation>& each : realise_all(scene, tasks, store, options))
     if (each)
       done.push_back(std::move(*each));
   if (done.size() < tasks.size()) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "apps/element_realizations.h"
+#include "apps/element_realisations.h"
 #include "fem/law_file.h"
 
 #include <complex>
@@ -8,14 +8,14 @@
 
 namespace apps {
 
-/// Mean and scatter of one number over realizations.
+/// Mean and scatter of one number over realisations.
 struct Scatter {
   std::size_t n;
-  double mean, deviation; ///< deviation: standard deviation of one realization; 0 for n = 1
+  double mean, deviation; ///< deviation: standard deviation of one realisation; 0 for n = 1
   double band;            ///< half of the 95 % confidence interval of the mean; infinite for n = 1
 };
 
-/// All realizations of one size.
+/// All realisations of one size.
 struct SizeResult {
   std::size_t n_particles;
   double size_ratio;                            ///< edge over the largest diameter, mean [-]
@@ -26,7 +26,7 @@ struct SizeResult {
 
 /// What the volume elements of a scene say together.
 struct Extraction {
-  std::vector<Realization> realizations;
+  std::vector<Realisation> realisations;
   std::vector<SizeResult> sizes;  ///< by rising number of particles
   coupling::ExtractedLaw law;     ///< of the largest size, full tensor
   double symmetry_distance;       ///< of the law that is written from that
@@ -34,9 +34,9 @@ struct Extraction {
   std::vector<std::string> notes; ///< one sentence each: verdict, warnings
 };
 
-/// Sums up realizations.
+/// Sums up realisations.
 /// \throws std::invalid_argument if they do not make a law
-Extraction sum_up(const LoadedScene& scene, std::vector<Realization> realizations);
+Extraction sum_up(const LoadedScene& scene, std::vector<Realisation> realisations);
 
 /// Takes a law from the volume elements of a scene; writes law, tables, figures. \return the exit
 /// code

@@ -26,7 +26,7 @@ fem::EngineeringConstants<double> isotropic_at(const fem::ComplianceLaw& law, do
   return fem::engineering_constants(fem::nearest(fem::compliance(law, t), fem::Symmetry{}));
 }
 
-std::vector<Column> realization_columns(const Extraction& e)
+std::vector<Column> realisation_columns(const Extraction& e)
 {
   std::vector<Column> columns{{"spheres", "1", {}},        {"seed", "1", {}},
                               {"bonds", "1", {}},          {"edge_over_largest_diameter", "1", {}},
@@ -38,7 +38,7 @@ std::vector<Column> realization_columns(const Extraction& e)
     columns.push_back({name + "_young_MPa", "MPa", {}});
     columns.push_back({name + "_poisson", "1", {}});
   }
-  for (const Realization& r : e.realizations) {
+  for (const Realisation& r : e.realisations) {
     const double values[] = {double(r.n_particles), double(r.seed), double(r.n_bonds),
                              r.size_ratio,          1e9 * r.volume, r.solid_fraction,
                              r.hill_mandel};
@@ -148,7 +148,7 @@ void write_extraction(const LoadedScene& scene, const Extraction& e,
 {
   make_folder(folder);
   const std::vector<std::pair<std::string, std::vector<Column>>> tables{
-      {"realisations", realization_columns(e)},
+      {"realisations", realisation_columns(e)},
       {"compliance", compliance_columns(*scene.scene, e)},
       {"complex_modulus", modulus_columns(*scene.scene, e)}};
   dem::Hdf5File file = dem::Hdf5File::create(folder / "extraction.h5");

@@ -80,7 +80,7 @@ std::string extraction_report(const LoadedScene& scene, const Extraction& e)
 {
   double hill_mandel = 0;
   std::size_t n_loose = 0;
-  for (const Realization& each : e.realizations) {
+  for (const Realisation& each : e.realisations) {
     hill_mandel = std::max(hill_mandel, each.hill_mandel);
     n_loose += each.n_loose;
   }

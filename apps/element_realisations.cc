@@ -1,11 +1,11 @@
-#include "apps/element_realizations.h"
+#include "apps/element_realisations.h"
 
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/progress.h"
 #include "apps/specimen.h"
-#include "dem/one_thread.h"
 #include "dem/packing.h"
+#include "dem/realisations.h"
 #include "dem/storage.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ dem::PeriodicPackingRequest periodic_request(const Scene& scene, std::size_t n_p
 }
 
 /// What a kept packing was made from.
-std::string recipe(const Scene& scene, const RealizationTask& task)
+std::string recipe(const Scene& scene, const RealisationTask& task)
 {
   std::string text = packing_recipe(scene);
   text = fmt::format("periodic, {} particles, seed {}, edges", task.n_particles, task.seed) +
@@ -52,7 +52,7 @@ std::string recipe(const Scene& scene, const RealizationTask& task)
 }
 
 /// Grows the packing, or takes the one that was kept.
-dem::Particles grown(const Scene& scene, const RealizationTask& task,
+dem::Particles grown(const Scene& scene, const RealisationTask& task,
                      const dem::PeriodicPackingRequest& request, PackingStore& store)
 {
   const std::filesystem::path file =
@@ -123,7 +123,7 @@ std::string name_of(dem::BoundaryCondition condition)
   }
 }
 
-dem::VolumeElement make_element(const LoadedScene& loaded, const RealizationTask& task,
+dem::VolumeElement make_element(const LoadedScene& loaded, const RealisationTask& task,
                                 PackingStore& store)
 {
   const Scene& scene = *loaded.scene;
@@ -148,11 +148,11 @@ dem::VolumeElement make_element(const LoadedScene& loaded, const RealizationTask
                                   std::move(pairs));
 }
 
-Realization realize(const LoadedScene& loaded, const RealizationTask& task, PackingStore& store)
+Realisation realise(const LoadedScene& loaded, const RealisationTask& task, PackingStore& store)
 {
   const VolumeElementInput& v = loaded.scene->element;
   const dem::VolumeElement element = make_element(loaded, task, store);
-  Realization result;
+  Realisation result;
   result.n_particles = element.particles.size();
   result.n_bonds = element.bonds.size();
   result.seed = task.seed;
@@ -181,50 +181,42 @@ Realization realize(const LoadedScene& loaded, const RealizationTask& task, Pack
   return result;
 }
 
-std::vector<std::optional<Realization>> realize_all(const LoadedScene& loaded,
-                                                    const std::vector<RealizationTask>& tasks,
+std::vector<std::optional<Realisation>> realise_all(const LoadedScene& loaded,
+                                                    const std::vector<RealisationTask>& tasks,
                                                     PackingStore& store, const RunOptions& options)
 {
-  const dem::OneThread one_thread; // each; see there
-  std::vector<std::optional<Realization>> results(tasks.size());
-  std::vector<std::exception_ptr> failures(tasks.size());
-  std::atomic<std::size_t> next = 0, done = 0, running = 0;
+  std::vector<std::optional<Realisation>> results(tasks.size());
   double total = 0;
-  for (const RealizationTask& task : tasks)
+  for (const RealisationTask& task : tasks)
     total += double(task.n_particles);
   std::atomic<double> finished = 0;
-  std::atomic<bool> failed = false;
-  const auto work = [&] {
-    for (std::size_t k = next++; k < tasks.size() && !interrupted() && !failed; k = next++) {
-      try {
-        results[k] = realize(loaded, tasks[k], store);
-      } catch (...) {
-        failures[k] = std::current_exception();
-        failed = true;
-      }
-      finished += double(tasks[k].n_particles);
-      ++done;
-    }
-    --running;
-  };
-  const std::size_t n_threads =
-      std::clamp<std::size_t>(std::size_t(options.n_threads), 1, tasks.size());
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> ended = false;
+  std::exception_ptr failure;
   Progress progress(loaded.name + " (volume elements)", options.quiet, false);
-  {
-    running = n_threads;
-    std::vector<std::jthread> threads;
-    for (std::size_t k = 0; k < n_threads; ++k)
-      threads.emplace_back(work);
-    while (running > 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      progress.update(total > 0 ? finished / total : 0,
-                      fmt::format("{} of {} elements", done.load(), tasks.size()));
+  std::jthread worker([&] {
+    try {
+      dem::for_each_realisation(int(tasks.size()), options.n_threads, [&](int k) {
+        if (interrupted())
+          return;
+        results[k] = realise(loaded, tasks[k], store);
+        finished += double(tasks[k].n_particles);
+        ++done;
+      });
+    } catch (...) {
+      failure = std::current_exception();
     }
+    ended = true;
+  });
+  while (!ended) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    progress.update(total > 0 ? finished / total : 0,
+                    fmt::format("{} of {} elements", done.load(), tasks.size()));
   }
+  worker.join();
   progress.finish();
-  for (const std::exception_ptr& failure : failures)
-    if (failure)
-      std::rethrow_exception(failure);
+  if (failure)
+    std::rethrow_exception(failure);
   return results;
 }
 

@@ -19,7 +19,7 @@ constexpr std::array all_conditions{
 std::string name_of(dem::BoundaryCondition condition);
 
 /// One volume element, and what it answered.
-struct Realization {
+struct Realisation {
   std::size_t n_particles, n_bonds;
   std::uint64_t seed;
   double volume;           ///< [m^3]
@@ -33,8 +33,8 @@ struct Realization {
   std::optional<coupling::MeanCompliance> samples; ///< S(t) if the bonds follow several laws
 };
 
-/// What is to be done for one realization.
-struct RealizationTask {
+/// What is to be done for one realisation.
+struct RealisationTask {
   std::size_t n_particles; ///< 0: as the source says
   std::uint64_t seed;
   bool wants_samples; ///< S(t) by time stepping
@@ -48,16 +48,16 @@ struct PackingStore {
 
 /// Volume element of a scene.
 /// \throws std::invalid_argument if the scene and its files do not make an element
-dem::VolumeElement make_element(const LoadedScene& scene, const RealizationTask& task,
+dem::VolumeElement make_element(const LoadedScene& scene, const RealisationTask& task,
                                 PackingStore& store);
 
 /// Makes an element and lets it answer.
-Realization realize(const LoadedScene& scene, const RealizationTask& task, PackingStore& store);
+Realisation realise(const LoadedScene& scene, const RealisationTask& task, PackingStore& store);
 
 /// All of them, on several threads; the results do not depend on how many. Ends early when the user
 /// asks for it: what is not done is absent.
-std::vector<std::optional<Realization>> realize_all(const LoadedScene& scene,
-                                                    const std::vector<RealizationTask>& tasks,
+std::vector<std::optional<Realisation>> realise_all(const LoadedScene& scene,
+                                                    const std::vector<RealisationTask>& tasks,
                                                     PackingStore& store, const RunOptions& options);
 
 } // namespace apps
