@@ -1,4 +1,5 @@
 #include "apps/calibrate.h"
+#include "apps/card.h"
 #include "apps/extract.h"
 #include "apps/files.h"
 #include "apps/fit.h"
@@ -36,6 +37,7 @@ struct Arguments {
   CalibrateOptions calibrate;
   std::string data;
   FitOptions fit;
+  CardOptions card;
   bool hard = false;
 };
 
@@ -224,6 +226,21 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   info->callback([&] { action = [&] { return info_verb(a.result); }; });
 }
 
+void add_card(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand(
+      "card", "Write a creep law as input of another program, with a check deck and its errors");
+  CardOptions& card = a.card;
+  verb->add_option("law", card.source, "Law file; a scene for the format pfc")->required();
+  verb->add_option("--format", card.format,
+                   "abaqus, ansys, ls-dyna, mfront, moose, pfc, or tables (CSV)")
+      ->required();
+  verb->add_option("-o,--output", card.output, "Folder (default: the law's name and the format)");
+  verb->add_option("--units", card.units, "si (default) or mm: mm, t, s, MPa");
+  verb->add_option("--time", card.time, "pfc: until when the law is used (default: 1e5 s)");
+  verb->callback([&] { action = [&] { return card_verb(a.card); }; });
+}
+
 /// What is wrong if the first word is no verb: CLI11 would say that one is missing.
 std::string unknown_verb(const CLI::App& app, const std::string& word)
 {
@@ -282,6 +299,7 @@ int main(int argc, char** argv)
   add_calibrate(app, arguments, action);
   add_fit(app, arguments, action);
   add_others(app, arguments, action);
+  add_card(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);
     return exit_input;

@@ -54,10 +54,10 @@ void add(std::vector<fem::RetardationTerm>& terms, double time, const fem::Mat6&
 double residual(const fem::RelaxationModulus& modulus, double last_time)
 {
   const double initial = fem::value(modulus, 0);
-  if (modulus.equilibrium > 1e-8 * initial)
+  if (modulus.equilibrium > 1e-10 * initial)
     return 0;
   const double compliance = fem::value(fem::creep_compliance(modulus), last_time);
-  return std::clamp(1e-4 / (initial * compliance), 1e-8, 1e-3);
+  return std::clamp(1e-4 / (initial * compliance), 1e-10, 1e-3);
 }
 
 fem::RelaxationModulus modulus(const PronySeries& series, double initial, double PronyTerm::*part)

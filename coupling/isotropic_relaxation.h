@@ -48,7 +48,7 @@ struct PronySeries {
 
 /// Prony series in which neither modulus relaxes to zero, as finite-element programs ask for: where
 /// a modulus has no long-term part, all its terms are made smaller so that the part
-/// 1e-4 / (G_0 J(last_time)) of it stays, between 1e-8 and 1e-3. At `last_time` that stiffens the
+/// 1e-4 / (G_0 J(last_time)) of it stays, between 1e-10 and 1e-3. At `last_time` that stiffens the
 /// response by about half of 1e-4.
 PronySeries prony_series(const IsotropicRelaxation& relaxation, double last_time);
 

@@ -58,13 +58,14 @@ ContactCard pfc_card(const dem::BondLaw& law, double friction, double last_time)
     card.creep_error = std::max(
         card.creep_error,
         std::abs(dem::creep_compliance(element, t) / dem::creep_compliance(law.creep, t) - 1));
-  card.limits = fmt::format(
-      "The contact model has no bending or torsion stiffness, never breaks and has one Kelvin "
-      "branch; "
-      "parts that the law does not have are {:g} times stiffer than the spring, which changes "
-      "J(t) by up to {:.2g} %. Its shear force ends at Coulomb's limit, also where a bond would "
-      "hold. The constants hold at the temperature for which they are given.",
-      very, 100 * card.creep_error);
+  card.limits = "The contact model has no bending or torsion stiffness, never breaks and has one "
+                "Kelvin branch. Its shear force ends at Coulomb's limit, also where a bond would "
+                "hold. The constants hold at the temperature for which they are given.";
+  if (card.creep_error > 1e-12)
+    card.limits += fmt::format(
+        " The law has no {}: in its place stands one {:g} times stiffer than "
+        "the spring, which changes J(t) by up to {:.2g} %.",
+        law.creep.branches.empty() ? "Kelvin branch" : "dashpot", very, 100 * card.creep_error);
   std::string text = "; Bond law as the contact model burger of PFC 6 and later.\n"
                      "; Units: m, N, s; normal and shear constants differ by the ratio N/S = " +
                      fmt::format("{:g}.\n; {}\n", law.normal_to_shear, card.limits) +

@@ -36,12 +36,13 @@ void expect_error(const command::Folder& folder, const std::vector<std::string>&
 TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
 {
   const command::Folder folder;
-  const std::string verbs = "; verbs: run, study, fit, check, pack, new, plot, export, info\n";
+  const std::string verbs =
+      "; verbs: run, study, extract, calibrate, fit, check, pack, new, plot, export, info, card\n";
   expect_error(folder, {"runn"}, "error: there is no verb 'runn'; did you mean 'run'?" + verbs);
   expect_error(
       folder, {},
-      "error: say what to do: run, study, fit, check, pack, new, plot, export, info; or see "
-      "mastic --help\n");
+      "error: say what to do: run, study, extract, calibrate, fit, check, pack, new, plot, "
+      "export, info, card; or see mastic --help\n");
   expect_error(folder, {"run", "a.scene", "--set", "Loading/End", "time = 5 s"},
                "error: The following argument was not expected: time = 5 s; settings need quotes: "
                "--set \"Loading/Axial stress = 500 kPa\"\n");

@@ -70,6 +70,19 @@ TEST(IsotropicRelaxation, ResidualModulusOfAFluidCostsLittleUntilTheEnd)
   EXPECT_LT(cards::creep_difference(isotropic_relaxation(series), record.law), 1.1e-4);
 }
 
+TEST(IsotropicRelaxation, HoldsForThirteenDecadesAndStrongFlow)
+{
+  IsotropicCreep creep{{1e-10, 1e-11, {}}, {5e-11, 0, {}}};
+  for (int k = -6; k <= 6; ++k) {
+    creep.shear.parts.push_back({std::pow(10.0, k), 1e-10 * std::pow(10.0, 0.4 * (k + 6))});
+    creep.bulk.parts.push_back({std::pow(10.0, k), 2e-11 * std::pow(10.0, 0.1 * (k + 6))});
+  }
+  const PronySeries series = prony_series(isotropic_relaxation(creep), 1e7);
+  const IsotropicCreep again = isotropic_creep(isotropic_relaxation(series));
+  for (double t = 1e-6; t < 1e7; t *= 2)
+    EXPECT_NEAR(fem::value(again.shear, t) / fem::value(creep.shear, t), 1, 1e-4) << t;
+}
+
 TEST(IsotropicRelaxation, ComesBackAsTheSameLaw)
 {
   for (const fem::LawRecord& record : records) {
