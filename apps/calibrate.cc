@@ -81,7 +81,6 @@ std::string bonds_section(const Calibrated& best, const Scene& scene, const std:
       "# Bond law calibrated to {}, for the packing of this scene:\n"
       "# rms error of the measured curve {:.3g} %, reduced times {:g} s to {:g} s at {:g} degC.\n"
       "subsection Bonds\n"
-      "  set Preset                = none\n"
       "  set Maxwell stiffness     = {} N/m\n"
       "  set Maxwell viscosity     = {}\n"
       "  set Kelvin stiffness      = {}\n"

@@ -37,7 +37,7 @@ def table(path):
 def save(figure, path):
     """Writes under a temporary name, renames, prints the name."""
     part = path.with_suffix(".part.png")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0, 1, 0.93 if figure.legends else 1))
     figure.savefig(part, dpi=DPI)
     os.replace(part, path)
     print(path)
@@ -95,9 +95,12 @@ def draw_elements(folder):
         poisson.plot(data["spheres"], data[f"{name}_poisson"], **look)
     for axes, text in ((young, "Young's modulus at t = 0+ [MPa]"), (poisson, "Poisson's ratio [-]")):
         axes.set(xlabel="Spheres in the volume element", ylabel=text)
-        if len(set(data["spheres"])) > 1:
+        sizes = sorted(set(data["spheres"]))
+        if len(sizes) > 1:
             axes.set_xscale("log")
-    young.legend()
+        axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        axes.minorticks_off()
+    figure.legend(*young.get_legend_handles_labels(), loc="upper center", ncols=4)
     save(figure, folder / "volume_elements.png")
 
 

@@ -79,6 +79,9 @@ VectorXd errors_of(const std::function<VectorXd(const VectorXd&)>& constants, co
   return (slope * covariance * slope.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
 }
 
+/// Few times are moved to where they serve best; many on a grid hardly gain by it.
+constexpr int most_free_times = 8;
+
 /// Times of the number that the data choose: those of the grid, or moved ones if the criterion, in
 /// which each moved time counts as a parameter, is less with them.
 std::vector<double> chosen_times(const Measurements& data, int n_other)
@@ -98,8 +101,10 @@ Solution solved_series(const Measurements& data, const CurveFitOptions& options,
 {
   const VectorXd start = fitted_shift(data, shift);
   const Measurements first = reduced(data, make_shift(shift, start));
-  const std::vector<double> times = options.n_terms > 0 ? times_for(first, options.n_terms)
-                                                        : chosen_times(first, int(start.size()));
+  const std::vector<double> times = options.n_terms > most_free_times
+                                        ? times_for(first, options.n_terms)
+                                    : options.n_terms > 0 ? best_times(first, options.n_terms)
+                                                          : chosen_times(first, int(start.size()));
   Solution solution;
   VectorXd x = start;
   if (x.size() > 0) {

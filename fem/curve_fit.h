@@ -14,7 +14,9 @@ enum class ShiftKind { none, wlf, arrhenius, free };
 /// What to fit, and how.
 struct CurveFitOptions {
   FormKind form = FormKind::series;
-  int n_terms = 0;     ///< of a series; 0: chosen by the data (`number_of_terms`)
+  /// Of a series: 0: chosen by the data (`number_of_terms`); up to 8: the best ones (`best_times`);
+  /// more: on a grid.
+  int n_terms = 0;
   bool robust = false; ///< Huber weights: errors beyond 1.345 standard deviations count linearly
   ShiftKind shift = ShiftKind::none;
   /// [K]; default: the measured one nearest to 20 degC

@@ -262,6 +262,40 @@ int number_of_terms(const Measurements& data, int n_other)
   return best;
 }
 
+namespace {
+
+/// Times that were moved to the least sum of squares; none if two of them fell together.
+struct MovedTimes {
+  std::vector<double> times;
+  double objective = infinity;
+};
+
+MovedTimes moved_from(const Measurements& data, const std::vector<double>& logarithms)
+{
+  const auto times_of = [](const VectorXd& x) {
+    std::vector<double> times;
+    for (const double each : x)
+      times.push_back(std::exp(each));
+    std::ranges::sort(times);
+    return times;
+  };
+  const Eigen::Map<const VectorXd> from(logarithms.data(), Index(logarithms.size()));
+  const Index n_residuals = solve_series(data, times_of(from)).residuals.size();
+  const auto residuals = [&](const VectorXd& x) {
+    if (x.cwiseAbs().maxCoeff() > 300)
+      return VectorXd(VectorXd::Constant(n_residuals, infinity));
+    return solve_series(data, times_of(x)).residuals;
+  };
+  const LeastSquaresResult found = levenberg_marquardt(residuals, from, 60);
+  const std::vector<double> times = times_of(found.parameters);
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (times[k] < 1.01 * times[k - 1])
+      return {};
+  return {times, found.objective};
+}
+
+} // namespace
+
 std::vector<double> moved_times(const Measurements& data, std::span<const double> grid)
 {
   const SeriesSolution start = solve_series(data, grid);
@@ -279,24 +313,40 @@ std::vector<double> moved_times(const Measurements& data, std::span<const double
   }
   if (logarithms.empty())
     return {};
-  const auto times_of = [](const VectorXd& x) {
-    std::vector<double> times;
-    for (const double each : x)
-      times.push_back(std::exp(each));
-    std::ranges::sort(times);
-    return times;
-  };
-  const auto residuals = [&](const VectorXd& x) {
-    if (x.cwiseAbs().maxCoeff() > 300)
-      return VectorXd(VectorXd::Constant(start.residuals.size(), infinity));
-    return solve_series(data, times_of(x)).residuals;
-  };
-  const Eigen::Map<const VectorXd> from(logarithms.data(), Index(logarithms.size()));
-  const std::vector<double> times = times_of(levenberg_marquardt(residuals, from, 60).parameters);
-  for (std::size_t k = 1; k < times.size(); ++k)
-    if (times[k] < 1.01 * times[k - 1])
-      return {};
-  return times;
+  return moved_from(data, logarithms).times;
+}
+
+std::vector<double> best_times(const Measurements& data, int n)
+{
+  MovedTimes best;
+  std::vector<double> before; // logarithms of the best times, one fewer
+  for (int m = 1; m <= n; ++m) {
+    std::vector<std::vector<double>> starts;
+    std::vector<double> grid;
+    for (const double time : times_for(data, m))
+      grid.push_back(std::log(time));
+    starts.push_back(grid);
+    const TimeRange range = time_range(data);
+    std::vector<double> gaps{std::log(range.first)};
+    gaps.insert(gaps.end(), before.begin(), before.end());
+    gaps.push_back(std::log(range.last));
+    std::ranges::sort(gaps);
+    for (std::size_t k = 0; m > 1 && k + 1 < gaps.size(); ++k) { // one more in each gap
+      starts.push_back(before);
+      starts.back().push_back(0.5 * (gaps[k] + gaps[k + 1]));
+    }
+    best = {};
+    for (const std::vector<double>& start : starts)
+      if (const MovedTimes found = moved_from(data, start);
+          !found.times.empty() && found.objective < best.objective)
+        best = found;
+    if (best.times.empty())
+      return times_for(data, n);
+    before.clear();
+    for (const double time : best.times)
+      before.push_back(std::log(time));
+  }
+  return best.times;
 }
 
 std::vector<Interval> bootstrap_intervals(const Measurements& data, std::span<const double> times,

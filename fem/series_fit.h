@@ -70,6 +70,11 @@ int number_of_terms(const Measurements& data, int n_other = 0);
 /// \return nothing if two times fall together (closer than 1 %)
 std::vector<double> moved_times(const Measurements& data, std::span<const double> grid);
 
+/// The n times with which the series comes nearest to the data: as `moved_times`, from the grid and
+/// from the best n - 1 times with one more in each gap. A local minimum that in general is the
+/// best; the grid if times fall together.
+std::vector<double> best_times(const Measurements& data, int n);
+
 /// Interval of a coefficient.
 struct Interval {
   double low, high;

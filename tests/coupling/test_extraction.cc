@@ -73,10 +73,14 @@ TEST(Extraction, SampledLawOfSeveralBondLawsFindsTheClosedForm)
   EXPECT_LE(samples.stepping_error, 1e-8);
   const coupling::ExtractedLaw law = coupling::fitted_law(samples, options);
   EXPECT_FALSE(law.is_exact);
-  EXPECT_LT(law.largest_error, 2e-3);
+  EXPECT_LT(law.optimality_gap, 1e-10);
+  EXPECT_LT(law.largest_error, 5e-3); // of a grid of four times per decade that misses the true ones
   for (std::size_t k = 0; k < samples.time.size(); ++k)
-    EXPECT_LT((fem::compliance(law.law, samples.time[k]) - samples.compliance[k]).norm(),
-              2e-3 * samples.compliance[k].norm());
+    EXPECT_LE((fem::compliance(law.law, samples.time[k]) - samples.compliance[k]).norm(),
+              1.0001 * law.largest_error * samples.compliance[k].norm());
+  coupling::SamplingOptions finer = options;
+  finer.n_terms = 51;
+  EXPECT_LT(coupling::fitted_law(samples, finer).largest_error, 0.3 * law.largest_error);
 }
 
 TEST(Extraction, RefusesTimesThatAreNone)
