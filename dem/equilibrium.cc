@@ -24,6 +24,16 @@ double linear_tolerance(double residual, double wanted)
   return std::clamp(0.3 * wanted / residual, 1e-10, 1e-2);
 }
 
+/// Whether a search that is far from equilibrium has not come nearer for some iterations.
+bool stalls(std::vector<double>& residuals, double residual, double wanted)
+{
+  constexpr std::size_t patience = 8;
+  residuals.push_back(residual);
+  if (residuals.size() <= 12 || residual < 1e3 * wanted)
+    return false;
+  return residual > 0.5 * residuals[residuals.size() - 1 - patience];
+}
+
 } // namespace
 
 Configuration EquilibriumFinder::configuration(const EquilibriumProblem& problem,
@@ -119,6 +129,7 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
   Equilibrium result;
   result.x = guess;
   Residual residual = evaluate(problem, result.x, result);
+  std::vector<double> residuals;
   for (;; ++result.n_iterations) {
     const double wanted =
         problem.tolerance * std::max(result.largest_force, problem.external.size() > 0
@@ -130,6 +141,8 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
       result.found = true;
       return result;
     }
+    if (stalls(residuals, residual.largest, wanted))
+      return result;
     if (result.n_iterations == most_iterations || dofs_.n_dofs == 0) {
       result.found = residual.largest <= loose * wanted;
       return result;

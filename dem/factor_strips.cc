@@ -21,10 +21,17 @@ int width_at(int j, int n)
   return std::min(strip_width, n - j);
 }
 
+/// First row of the eights of a strip. Eights of all strips lie on one grid of rows, so that what
+/// one strip has stored the next one loads as it was stored; rows before the strip's end get zeros.
+int first_row(int j, int width)
+{
+  return (j + width) / n_lanes * n_lanes;
+}
+
 /// Eights of rows after the triangle of a strip.
 int n_chunks(int j, int width, int n_rows)
 {
-  return (n_rows - j - width + n_lanes - 1) / n_lanes;
+  return n_rows > j + width ? (n_rows - first_row(j, width) + n_lanes - 1) / n_lanes : 0;
 }
 
 std::size_t strip_size(int j, int width, int n_rows)
@@ -128,13 +135,19 @@ void FactorStrips<Stored>::store(int s, const double* block)
       }
     out += triangle_size;
     const double* column = block + std::size_t(j) * n_rows;
-    int row = begin;
-    for (; row + n_lanes <= n_rows; row += n_lanes)
+    const int chunks = n_chunks(j, width, n_rows);
+    for (int c = 0; c < chunks; ++c) {
+      const int row = first_row(j, width) + c * n_lanes;
+      const bool inside = row >= begin && row + n_lanes <= n_rows;
       for (int a = 0; a < width; ++a, out += n_lanes)
-        std::copy_n(column + std::size_t(a) * n_rows + row, n_lanes, out);
-    for (int a = 0; a < width && row < n_rows; ++a, out += n_lanes)
-      for (int r = 0; r < n_lanes; ++r)
-        out[r] = Stored(row + r < n_rows ? column[std::size_t(a) * n_rows + row + r] : 0.0);
+        if (inside)
+          std::copy_n(column + std::size_t(a) * n_rows + row, n_lanes, out);
+        else
+          for (int r = 0; r < n_lanes; ++r)
+            out[r] = Stored(row + r >= begin && row + r < n_rows
+                                ? column[std::size_t(a) * n_rows + row + r]
+                                : 0.0);
+    }
   }
 }
 
@@ -148,7 +161,7 @@ void FactorStrips<Stored>::eliminate(int s, double* front) const
       const Stored* values = strip(s, k);
       const auto x = solve_triangle<width>(values, front + j);
       const Stored* column = values + triangle_size;
-      double* rest = front + j + width;
+      double* rest = front + first_row(j, width);
       const int chunks = n_chunks(j, width, n_rows_[s]);
       for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {
         Lanes r = eight(rest);
@@ -170,7 +183,7 @@ void FactorStrips<Stored>::eliminate(int s, Lanes* front) const
       const auto x = solve_triangle<width>(values, front + j);
       const Stored* column = values + triangle_size;
       const Stored* next = k + 1 < n_strips(s) ? strip(s, k + 1) : values;
-      Lanes* rest = front + j + width;
+      Lanes* rest = front + first_row(j, width);
       const int chunks = n_chunks(j, width, n_rows_[s]);
       for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {
         for (int a = 0; a < width; ++a)
@@ -195,7 +208,7 @@ void FactorStrips<Stored>::substitute(int s, double* front) const
       constexpr int width = constant;
       const Stored* triangle = strip(s, k);
       const Stored* column = triangle + triangle_size;
-      const double* rest = front + j + width;
+      const double* rest = front + first_row(j, width);
       std::array<Lanes, width> sum{};
       const int chunks = n_chunks(j, width, n_rows_[s]);
       for (int c = 0; c < chunks; ++c, rest += n_lanes, column += width * n_lanes) {

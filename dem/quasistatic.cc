@@ -2,6 +2,7 @@
 
 #include "dem/breakage_search.h"
 #include "dem/connectivity.h"
+#include "dem/quasistatic_trial.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,6 @@ constexpr double breakage_overshoot = 1e-10;
 /// Hold of loose particles in place, over that of contacts against sliding and rolling.
 constexpr double ground_share = 1e-4;
 constexpr int most_attempts = 60;
-constexpr int most_passages = 400;
 constexpr double largest_growth = 1.6;
 
 /// Load at the end of a step that begins now and crosses no breakpoint.
@@ -35,17 +35,6 @@ double largest_ratio(std::span<const double> ratios)
 }
 
 } // namespace
-
-/// A step that may be taken.
-struct QuasistaticSolver::Trial {
-  double duration;
-  Equilibrium equilibrium;
-  Links links;
-  double displacement = 0; ///< gained [m]
-  double load = 0;         ///< at the end: force on the platen, or load factor
-  EnergyLedger energy;     ///< gained
-  double error = 0;        ///< estimated, of the displacement gained, relative
-};
 
 QuasistaticSolver::QuasistaticSolver(const QuasistaticModel& model, int n_threads)
     : model_(&model), finder_(model.dofs, n_threads), bond_network_(make_network(model.assembly))
@@ -73,7 +62,8 @@ std::vector<double> QuasistaticSolver::holds(const QuasistaticState& state, doub
 }
 
 QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& state, double duration,
-                                                    double hold_everything)
+                                                    double hold_everything,
+                                                    double residual_tolerance)
 {
   const QuasistaticModel& model = *model_;
   const Assembly& assembly = model.assembly;
@@ -102,7 +92,7 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
                              model.confinement,
                              {},
                              0,
-                             model.settings.residual_tolerance,
+                             residual_tolerance,
                              stiffness};
   const double displaced = state.path.back().displacement;
   if (!loaded_by_platen(assembly))
@@ -241,8 +231,9 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
     if (ratios[b] > 0 && ratios[b] >= factor)
       over.push_back(Index(b));
   if (over.empty()) {
-    state.settled = true;
-    state.pass = 0;
+    state.settled = !state.in_avalanche; // after a loose equilibrium a tight one decides
+    state.in_avalanche = false;
+    state.pass = state.settled ? 0 : state.pass;
     return;
   }
   std::ranges::stable_sort(over, std::ranges::greater(), [&](Index b) { return ratios[b]; });
@@ -251,6 +242,7 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
   std::size_t n = std::min(over.size(), std::size_t(model.settings.breakage_batch));
   while (n < over.size() && ratios[over[n]] >= tie)
     ++n;
+  state.in_avalanche = n < over.size();
   std::sort(over.begin(), over.begin() + std::ptrdiff_t(n));
   const Strengths& strengths = *model.assembly.strengths;
   for (std::size_t each = 0; each < n; ++each) {
@@ -271,61 +263,6 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
   }
   ++state.pass;
   state.settled = false;
-}
-
-void QuasistaticSolver::end_if_ruptured(QuasistaticState& state) const
-{
-  const double gauge = model_->assembly.gauge_length, from = *state.passage_start / gauge,
-               to = state.path.back().displacement / gauge;
-  if (std::abs(to - from) < model_->settings.passage_limit)
-    return;
-  state.end = RunEnd::lost_equilibrium;
-  state.end_reason =
-      fmt::format("rupture at t = {:.6g} s: no equilibrium between {:.4g} % and {:.4g} % of strain",
-                  state.time(), 100 * std::abs(from), 100 * std::abs(to));
-}
-
-void QuasistaticSolver::pass_through(QuasistaticState& state, double duration,
-                                     const Equilibrium& failed)
-{
-  ++state.n_passages;
-  if (!state.passage_start)
-    state.passage_start = state.path.back().displacement;
-  if (++state.passages_in_a_row <= most_passages)
-    for (double hold = 1e-3; hold < 1e3; hold *= 10) {
-      Trial trial = attempt(state, duration, hold);
-      if (!trial.equilibrium.found)
-        continue;
-      take(state, std::move(trial), duration == 0);
-      state.settled = false;
-      end_if_ruptured(state);
-      return;
-    }
-  state.end = RunEnd::lost_equilibrium;
-  const Index dof = failed.worst_body;
-  std::string place = "the upper platen";
-  for (std::size_t i = 0; i + 2 < state.centre.size(); ++i)
-    if (model_->dofs.first_dof[i] >= 0 && dof >= model_->dofs.first_dof[i] &&
-        dof < model_->dofs.first_dof[i] + 6)
-      place =
-          fmt::format("particle {} at ({:.4g}, {:.4g}, {:.4g}) mm", i, 1e3 * state.centre[i].x(),
-                      1e3 * state.centre[i].y(), 1e3 * state.centre[i].z());
-  state.end_reason = fmt::format("no equilibrium was found at t = {:.6g} s; the force is most out "
-                                 "of balance at {}",
-                                 state.time(), place);
-}
-
-void QuasistaticSolver::settle(QuasistaticState& state)
-{
-  Trial trial = attempt(state, 0, 0);
-  if (!trial.equilibrium.found) {
-    pass_through(state, 0, trial.equilibrium);
-    return;
-  }
-  state.passages_in_a_row = 0;
-  take(state, std::move(trial), true);
-  if (state.end == RunEnd::running)
-    break_bonds(state);
 }
 
 double QuasistaticSolver::largest_duration(const QuasistaticState& state) const
@@ -355,7 +292,7 @@ void QuasistaticSolver::step_in_time(QuasistaticState& state)
   BreakageSearch search{0, largest_ratio(before) / factor_before - 1};
   double growth = largest_growth;
   for (int attempts = 0;; ++attempts) {
-    Trial trial = attempt(state, duration, 0);
+    Trial trial = attempt(state, duration, 0, settings.residual_tolerance);
     if (!trial.equilibrium.found) {
       ++state.n_rejected;
       if (attempts > 12) {
@@ -413,6 +350,7 @@ void QuasistaticSolver::step_in_time(QuasistaticState& state)
     ++state.n_steps;
     state.passages_in_a_row = 0;
     state.passage_start.reset();
+    state.passage_hold = 0;
     state.next_step = duration * std::clamp(std::min(by_strain, by_error), 0.3, growth);
     return break_or_go_on(state);
   }

@@ -52,6 +52,8 @@ struct QuasistaticState {
   StaleFactor::Wear wear;
   long n_steps = 0, n_rejected = 0, n_passages = 0;
   int passages_in_a_row = 0;
+  double passage_hold = 0;   ///< of the last passage, over the stiffness of contacts; 0: none
+  bool in_avalanche = false; ///< more bonds were over their strength than the batch broke
   std::optional<double> passage_start; ///< displacement at the first passage since a step [m]
   RunEnd end = RunEnd::running;
   std::string end_reason;
@@ -81,7 +83,8 @@ public:
 
 private:
   struct Trial;
-  Trial attempt(const QuasistaticState& state, double duration, double hold_everything);
+  Trial attempt(const QuasistaticState& state, double duration, double hold_everything,
+                double residual_tolerance);
   void settle(QuasistaticState& state);
   void step_in_time(QuasistaticState& state);
   void take(QuasistaticState& state, Trial&& trial, bool is_jump);

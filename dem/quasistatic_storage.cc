@@ -106,6 +106,8 @@ void write_wear(Hdf5File& file, const std::string& group, const StaleFactor::Wea
              "N/m");
   file.set_attribute(group, "stiffness", wear.factorised ? wear.factorised->stiffness : 0.0);
   file.set_attribute(group, "extra_iterations", double(wear.extra_iterations));
+  file.set_attribute(group, "failures", double(wear.n_failures));
+  file.set_attribute(group, "direct", double(wear.n_direct));
 }
 
 StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
@@ -118,7 +120,9 @@ StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
     factorised->ends.push_back({ends[k], ends[k + 1]});
   factorised->values = file.read_doubles(group + "/values");
   factorised->stiffness = file.number_attribute(group, "stiffness");
-  return {std::move(factorised), long(file.number_attribute(group, "extra_iterations"))};
+  return {std::move(factorised), long(file.number_attribute(group, "extra_iterations")),
+          int(file.number_attribute(group, "failures")),
+          int(file.number_attribute(group, "direct"))};
 }
 
 } // namespace
@@ -140,6 +144,8 @@ void write_state(Hdf5File& file, const std::string& group, const QuasistaticStat
   file.set_attribute(group, "n_rejected", double(state.n_rejected));
   file.set_attribute(group, "n_passages", double(state.n_passages));
   file.set_attribute(group, "passages_in_a_row", double(state.passages_in_a_row));
+  file.set_attribute(group, "passage_hold", state.passage_hold);
+  file.set_attribute(group, "in_avalanche", double(state.in_avalanche));
   file.set_attribute(group, "passage_start_m",
                      state.passage_start.value_or(std::numeric_limits<double>::quiet_NaN()));
   file.set_attribute(group, "end", double(state.end));
@@ -170,6 +176,8 @@ QuasistaticState read_quasistatic_state(const Hdf5File& file, const std::string&
   state.n_rejected = long(number("n_rejected"));
   state.n_passages = long(number("n_passages"));
   state.passages_in_a_row = int(number("passages_in_a_row"));
+  state.passage_hold = number("passage_hold");
+  state.in_avalanche = number("in_avalanche") != 0;
   if (const double from = number("passage_start_m"); !std::isnan(from))
     state.passage_start = from;
   state.end = RunEnd(int(number("end")));

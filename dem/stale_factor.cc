@@ -12,7 +12,9 @@ constexpr long iterations_per_factorisation = 30;
 constexpr long free_iterations = 3;
 constexpr long most_iterations = 120;
 /// Links that carry outside the pattern before it is analysed anew.
-constexpr std::size_t most_outside = 40;
+constexpr std::size_t most_outside = 4;
+/// Solutions that may begin with a factorisation after failures of the stale one.
+constexpr int most_direct = 8;
 
 } // namespace
 
@@ -38,7 +40,7 @@ void StaleFactor::factorise(const LinkMatrix& matrix, const LinkDofs& dofs, doub
   const auto outside = std::size_t(std::ranges::count_if(
       carrying, [&](const auto& pair) { return !std::ranges::binary_search(analysed_, pair); }));
   if (!pattern_ || outside > most_outside)
-    analyse(std::move(carrying), dofs);
+    analyse(matrix.ends, dofs); // near ones too: they may carry next
   auto next = std::make_shared<FactorisedMatrix>();
   next->ends = analysed_;
   next->values = link_values(matrix, *pattern_, dofs);
@@ -50,7 +52,8 @@ void StaleFactor::factorise(const LinkMatrix& matrix, const LinkDofs& dofs, doub
   }
   statistics_.n_factor_nonzeros = factor_->n_nonzeros();
   ++statistics_.n_factorisations;
-  wear_ = {std::move(next), 0};
+  wear_.factorised = std::move(next);
+  wear_.extra_iterations = 0;
 }
 
 void StaleFactor::restore(const Wear& wear, const LinkDofs& dofs)
@@ -67,18 +70,27 @@ std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
                                                   const Eigen::VectorXd& b, double tolerance,
                                                   double stiffness, int n_threads)
 {
-  if (!wear_.factorised || wear_.extra_iterations > iterations_per_factorisation)
-    factorise(matrix, dofs, stiffness);
-  else if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads))
-    return x;
-  else
-    factorise(matrix, dofs, stiffness);
-  return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads);
+  const bool direct = wear_.n_direct > 0;
+  if (direct)
+    --wear_.n_direct;
+  if (wear_.factorised && !direct && wear_.extra_iterations <= iterations_per_factorisation) {
+    if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads,
+                         iterations_per_factorisation)) {
+      wear_.n_failures = 0;
+      return x;
+    }
+    ++wear_.n_failures;
+    wear_.n_direct = std::min(most_direct, 1 << std::min(wear_.n_failures, 10)) / 2;
+  }
+  factorise(matrix, dofs, stiffness);
+  return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, most_iterations);
 }
 
-std::optional<Eigen::VectorXd>
-StaleFactor::iterate(const LinkMatrix& matrix, const BodyLinks& body_links, const LinkDofs& dofs,
-                     const Eigen::VectorXd& b, double tolerance, double stiffness, int n_threads)
+std::optional<Eigen::VectorXd> StaleFactor::iterate(const LinkMatrix& matrix,
+                                                    const BodyLinks& body_links,
+                                                    const LinkDofs& dofs, const Eigen::VectorXd& b,
+                                                    double tolerance, double stiffness,
+                                                    int n_threads, long most)
 {
   const double scale = wear_.factorised->stiffness / stiffness;
   const auto precondition = [&](const Eigen::VectorXd& r) {
@@ -90,7 +102,7 @@ StaleFactor::iterate(const LinkMatrix& matrix, const BodyLinks& body_links, cons
   ++statistics_.n_solves;
   long n = 0;
   for (; r.norm() > enough; ++n) {
-    if (n == most_iterations)
+    if (n == most)
       return std::nullopt;
     const Eigen::VectorXd product = dem::product(matrix, body_links, dofs, p, n_threads);
     const double curvature = p.dot(product);

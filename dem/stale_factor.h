@@ -17,8 +17,9 @@ struct FactorisedMatrix {
 ///
 /// Between two factorisations bonds break, contacts close and slide, and the step changes: the
 /// tangent differs by a few ranks and a factor, so that a few iterations do. When their extra cost
-/// since the last factorisation exceeds that of a new one, it is factorised anew; the pattern is
-/// analysed anew when links that carry lie outside it.
+/// since the last factorisation exceeds that of a new one, it is factorised anew. Where a stale
+/// factor fails time after time, as in an avalanche, each solution begins with a new one for a
+/// while. The pattern is analysed anew when links that carry lie outside it.
 class StaleFactor {
 public:
   struct Statistics {
@@ -30,6 +31,8 @@ public:
   struct Wear {
     std::shared_ptr<const FactorisedMatrix> factorised;
     long extra_iterations = 0;
+    int n_failures = 0; ///< solutions in a row for which a stale factor was too far off
+    int n_direct = 0;   ///< next solutions that begin with a factorisation
   };
 
   /// Takes over the factor of another run.
@@ -47,7 +50,8 @@ public:
 private:
   std::optional<Eigen::VectorXd> iterate(const LinkMatrix& matrix, const BodyLinks& body_links,
                                          const LinkDofs& dofs, const Eigen::VectorXd& b,
-                                         double tolerance, double stiffness, int n_threads);
+                                         double tolerance, double stiffness, int n_threads,
+                                         long most);
   void factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness);
   void analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs);
 

@@ -172,19 +172,30 @@ SupernodalFactor::half_solve(std::span<const Index> rows,
   return result;
 }
 
+namespace {
+
+/// Zeros for a front and its padding, on the boundary of a register.
+double* zero_front(std::vector<Lanes>& memory, std::size_t n_rows)
+{
+  memory.assign((n_rows + front_padding) / n_lanes + 1, no_lanes());
+  return reinterpret_cast<double*>(memory.data());
+}
+
+} // namespace
+
 Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
 {
   const Data& d = *data_;
   Eigen::VectorXd y(b.size());
   for (Eigen::Index i = 0; i < b.size(); ++i)
     y[d.position[i]] = b[i];
-  std::vector<double> front;
+  std::vector<Lanes> aligned;
   for (int s = 0; s < d.n_supernodes(); ++s) {
     const std::span<const int> row = d.rows(s);
-    front.assign(row.size() + front_padding, 0.0);
+    double* front = zero_front(aligned, row.size());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
-    d.with_strips([&](const auto& strips) { strips.eliminate(s, front.data()); });
+    d.with_strips([&](const auto& strips) { strips.eliminate(s, front); });
     for (std::size_t r = 0; r < row.size(); ++r)
       y[row[r]] = front[r];
   }
@@ -194,15 +205,14 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
 Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
 {
   const Data& d = *data_;
-  std::vector<double> front;
+  std::vector<Lanes> aligned;
   for (int s = d.n_supernodes() - 1; s >= 0; --s) {
     const std::span<const int> row = d.rows(s);
-    front.resize(row.size() + front_padding);
+    double* front = zero_front(aligned, row.size());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
-    std::fill(front.begin() + std::ptrdiff_t(row.size()), front.end(), 0.0);
-    d.with_strips([&](const auto& strips) { strips.substitute(s, front.data()); });
-    std::copy_n(front.begin(), d.n_columns(s), y.data() + d.first_column(s));
+    d.with_strips([&](const auto& strips) { strips.substitute(s, front); });
+    std::copy_n(front, d.n_columns(s), y.data() + d.first_column(s));
   }
   Eigen::VectorXd x(y.size());
   for (Eigen::Index i = 0; i < x.size(); ++i)
