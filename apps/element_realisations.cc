@@ -14,6 +14,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <numbers>
 #include <stdexcept>
 #include <thread>
 
@@ -109,6 +110,14 @@ dem::VolumeElement cut_element(const LoadedScene& loaded)
 
 } // namespace
 
+std::vector<double> angular_frequencies(const Scene& scene)
+{
+  std::vector<double> omega;
+  for (const double f : scene.output.frequencies)
+    omega.push_back(2 * std::numbers::pi * f);
+  return omega;
+}
+
 std::string name_of(dem::BoundaryCondition condition)
 {
   switch (condition) {
@@ -175,6 +184,9 @@ Realisation realise(const LoadedScene& loaded, const RealisationTask& task, Pack
         throw;
     }
   }
+  if (task.wants_samples && !loaded.scene->output.frequencies.empty())
+    result.complex_compliance =
+        coupling::complex_compliances(element, angular_frequencies(*loaded.scene));
   if (task.wants_samples)
     result.samples = coupling::sampled_compliance(
         element, {v.first_time, v.last_time, int(v.n_times), v.tolerance, int(v.n_terms)});

@@ -18,6 +18,9 @@ constexpr std::array all_conditions{
 
 std::string name_of(dem::BoundaryCondition condition);
 
+/// Output/Frequencies as angular frequencies [rad/s].
+std::vector<double> angular_frequencies(const Scene& scene);
+
 /// One volume element, and what it answered.
 struct Realisation {
   std::size_t n_particles, n_bonds;
@@ -29,8 +32,9 @@ struct Realisation {
   std::size_t n_loose = 0; ///< particles that carry nothing
   /// Elastic stiffness [Pa], Mandel, under each of `all_conditions` that was computed.
   std::array<std::optional<dem::Mat6>, 4> stiffness;
-  double hill_mandel = 0;                          ///< largest relative difference
-  std::optional<coupling::MeanCompliance> samples; ///< S(t) if the bonds follow several laws
+  double hill_mandel = 0;                           ///< largest relative difference
+  std::optional<coupling::MeanCompliance> samples;  ///< S(t) if the bonds follow several laws
+  std::vector<fem::ComplexMat6> complex_compliance; ///< then also S* at the scene's frequencies
 };
 
 /// What is to be done for one realisation.

@@ -164,6 +164,22 @@ void compare_sizes(Extraction& e)
   }
 }
 
+/// How far the law, which was found over time, is from the mean of what each element answers to
+/// steady oscillation.
+void compare_routes(const Scene& scene, const std::vector<const Realisation*>& group, Extraction& e)
+{
+  const std::vector<double> omega = angular_frequencies(scene);
+  std::vector<fem::ComplexMat6> mean(omega.size(), fem::ComplexMat6::Zero());
+  for (const Realisation* each : group)
+    for (std::size_t k = 0; k < omega.size(); ++k)
+      mean[k] += each->complex_compliance[k] / double(group.size());
+  if (!omega.empty())
+    e.notes.push_back(fmt::format(
+        "the law is within {:.2g} % of the complex compliances that were solved for at {} "
+        "frequencies",
+        100 * coupling::frequency_difference(e.law.law, omega, mean), omega.size()));
+}
+
 std::vector<RealisationTask> tasks_of(const Scene& scene)
 {
   const bool several_laws = !dem::proportional_laws(bond_laws(scene, 1));
@@ -233,6 +249,8 @@ Extraction sum_up(const LoadedScene& loaded, std::vector<Realisation> realisatio
                                    e.law.last_time)};
   if (const std::string keys = estimated_keys(loaded); !keys.empty())
     e.record.provenance.push_back("estimated, not measured: " + keys);
+  if (!e.law.is_exact)
+    compare_routes(scene, groups.rbegin()->second, e);
   for (const SizeResult& size : e.sizes)
     e.notes.push_back(verdict(groups[size.n_particles], size, scene.element.accuracy));
   compare_sizes(e);

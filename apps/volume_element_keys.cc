@@ -62,7 +62,7 @@ void declare(Schema& s, VolumeElementInput& v)
   s.integer("Times", v.n_times, "61", between(3, 100000), "Evenly over the logarithm.");
   s.integer("Terms", v.n_terms, "0", between(0, 60),
             "Retardation times of a law that has to be fitted (several bond laws that are not "
-            "proportional); 0: two per decade. Proportional laws need no fit.");
+            "proportional); 0: as many as the data show. Proportional laws need no fit.");
   s.number("Stepping tolerance", v.tolerance, "1e-5", Bounds{0, 0.1, false, true},
            "Of the time stepping for several bond laws, relative, per interval.");
   s.quantities("Temperatures", v.temperatures, "degC", "", above(-273.15),

@@ -1,6 +1,7 @@
 #include "coupling/extraction.h"
 
 #include "dem/element_creep.h"
+#include "dem/frequency_response.h"
 #include "fem/series_fit.h"
 #include "fem/tensor_fit.h"
 
@@ -67,17 +68,53 @@ MeanCompliance mean_of(std::span<const MeanCompliance> samples)
   return mean;
 }
 
+std::vector<fem::ComplexMat6> complex_compliances(const dem::VolumeElement& element,
+                                                  std::span<const double> omega)
+{
+  std::vector<fem::ComplexMat6> result;
+  for (const dem::ComplexMat6& stiffness : dem::frequency_response(element, omega).stiffness)
+    result.push_back(dem::complex_compliance(stiffness));
+  return result;
+}
+
+double frequency_difference(const fem::ComplianceLaw& law, std::span<const double> omega,
+                            std::span<const fem::ComplexMat6> compliances)
+{
+  double largest = 0;
+  for (std::size_t k = 0; k < omega.size(); ++k)
+    largest = std::max(largest, (fem::complex_compliance(law, omega[k]) - compliances[k]).norm() /
+                                    compliances[k].norm());
+  return largest;
+}
+
 ExtractedLaw fitted_law(const MeanCompliance& samples, const SamplingOptions& options)
 {
-  const double decades = std::log10(options.last_time / options.first_time);
-  const int n_terms =
-      options.n_terms > 0 ? options.n_terms : std::max(1, int(std::lround(2 * decades)) + 1);
   std::vector<fem::ComplianceSample> points;
   for (std::size_t k = 0; k < samples.time.size(); ++k)
     points.push_back(
         {samples.time[k], 0.5 * (samples.compliance[k] + samples.compliance[k].transpose())});
-  const fem::TensorFit fit = fem::fit_compliance_law(
-      points, fem::retardation_grid(options.first_time, options.last_time, n_terms));
+  const auto fitted = [&](int n) {
+    return fem::fit_compliance_law(points,
+                                   fem::retardation_grid(options.first_time, options.last_time, n));
+  };
+  fem::TensorFit fit;
+  if (options.n_terms > 0)
+    fit = fitted(options.n_terms);
+  else {
+    const double decades = std::log10(options.last_time / options.first_time);
+    const int most = std::max(1, std::min(int(3 * decades) + 1, options.n_times / 2));
+    int n = std::min(most, std::max(1, int(decades / 2)));
+    fit = fitted(n);
+    while (fit.relative_rms > sufficient_error && n < most) {
+      n = std::min(most, n + std::max(1, n / 3));
+      const fem::TensorFit next = fitted(n);
+      const bool gains = next.relative_rms < 0.8 * fit.relative_rms;
+      if (next.relative_rms < fit.relative_rms)
+        fit = next;
+      if (!gains)
+        break;
+    }
+  }
   return {fit.law,
           false,
           fit.relative_rms,

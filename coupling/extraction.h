@@ -22,7 +22,7 @@ struct SamplingOptions {
   double first_time = 1e-3, last_time = 1e4; ///< of the creep tests [s]
   int n_times = 61;                          ///< evenly over the logarithm, besides t = 0+
   double tolerance = 1e-5;                   ///< of the time stepping, relative, per interval
-  int n_terms = 0; ///< retardation times over the same range; 0: two per decade
+  int n_terms = 0; ///< retardation times over the same range; 0: see `fitted_law`
 };
 
 /// A law that was taken from volume elements.
@@ -36,6 +36,9 @@ struct ExtractedLaw {
   double first_time, last_time; ///< times for which it stands [s]; 0 to infinity if exact
 };
 
+/// Relative rms error of a fitted law that is good enough [-].
+constexpr double sufficient_error = 1e-3;
+
 /// Mean creep compliance of elements at some times.
 struct MeanCompliance {
   std::vector<double> time;          ///< [s], the first is 0
@@ -48,10 +51,21 @@ struct MeanCompliance {
 MeanCompliance sampled_compliance(const dem::VolumeElement& element,
                                   const SamplingOptions& options);
 
+/// S*(omega) of an element at angular frequencies [rad/s], by one complex solution each.
+std::vector<fem::ComplexMat6> complex_compliances(const dem::VolumeElement& element,
+                                                  std::span<const double> omega);
+
+/// Largest relative difference of a law from complex compliances at these frequencies [-].
+double frequency_difference(const fem::ComplianceLaw& law, std::span<const double> omega,
+                            std::span<const fem::ComplexMat6> compliances);
+
 /// Mean of several, at the same times.
 MeanCompliance mean_of(std::span<const MeanCompliance> samples);
 
-/// The admissible law nearest to samples (cone-constrained least squares).
+/// The admissible law nearest to samples (cone-constrained least squares). If their number is not
+/// given, retardation times are added, one per two decades to three per decade, until the rms error
+/// is below 1e-3 (`sufficient_error`) or no longer falls by a fifth: further ones could not be told
+/// apart.
 ExtractedLaw fitted_law(const MeanCompliance& samples, const SamplingOptions& options);
 
 } // namespace coupling

@@ -94,6 +94,7 @@ TEST(Extract, ReadsAPeriodicPackingAndSeveralBondLaws)
       mastic(folder, with({"extract", "rve.scene", "-o", "out", "--threads", "1"}, settings));
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_TRUE(contains(done.output, "several bond laws: ")) << done.output;
+  EXPECT_TRUE(contains(done.output, "complex compliances that were solved for")) << done.output;
   const fem::LawRecord record = law_in(folder);
   // along x: binder only, S = D J(t); the preset's Burgers constants
   EXPECT_NEAR(record.law.instantaneous(0, 0) * 3.2e6 / 4e-3, 1, 1e-2);

@@ -74,13 +74,30 @@ TEST(Extraction, SampledLawOfSeveralBondLawsFindsTheClosedForm)
   const coupling::ExtractedLaw law = coupling::fitted_law(samples, options);
   EXPECT_FALSE(law.is_exact);
   EXPECT_LT(law.optimality_gap, 1e-10);
-  EXPECT_LT(law.largest_error, 5e-3); // of a grid of four times per decade that misses the true ones
+  EXPECT_LT(law.largest_error,
+            5e-3); // of a grid of four times per decade that misses the true ones
   for (std::size_t k = 0; k < samples.time.size(); ++k)
     EXPECT_LE((fem::compliance(law.law, samples.time[k]) - samples.compliance[k]).norm(),
               1.0001 * law.largest_error * samples.compliance[k].norm());
   coupling::SamplingOptions finer = options;
   finer.n_terms = 51;
   EXPECT_LT(coupling::fitted_law(samples, finer).largest_error, 0.3 * law.largest_error);
+}
+
+TEST(Extraction, TimeAndFrequencyRoutesAgree)
+{
+  const dem::VolumeElement element = two_law_element();
+  const coupling::SamplingOptions options{1e-3, 1e4, 43, 1e-9, 0};
+  const coupling::ExtractedLaw law =
+      coupling::fitted_law(coupling::sampled_compliance(element, options), options);
+  EXPECT_LT(law.relative_rms, 2 * coupling::sufficient_error);
+  const std::vector<double> omega{1e-2, 0.1, 1, 10};
+  const auto direct = coupling::complex_compliances(element, omega);
+  for (std::size_t k = 0; k < omega.size(); ++k) { // along x: binder only
+    const std::complex<double> exact = diameter * dem::complex_compliance(binder(), omega[k]);
+    EXPECT_LT(std::abs(direct[k](0, 0) - exact), 1e-8 * std::abs(exact));
+  }
+  EXPECT_LT(coupling::frequency_difference(law.law, omega, direct), 1e-2);
 }
 
 TEST(Extraction, RefusesTimesThatAreNone)
