@@ -31,19 +31,20 @@ def main():
         curve.loglog(check[at], check[measured], "ko", mfc="white", label="measured")
         order = sorted(range(len(check[at])), key=lambda k: check[at][k])
         curve.loglog([check[at][k] for k in order], [check[packing][k] for k in order],
-                     label="packing, calibrated law")
+                     ".:", lw=1, label="packing, calibrated law")
         curve.legend()
         error.semilogx(check[at], check["error_percent"], "o")
         error.axhline(0, color="k", lw=0.8)
         axis = "Reduced time [s]" if at.endswith("_s") else "Reduced frequency [Hz]"
         unit = "1/GPa" if "per_GPa" in measured else "MPa"
-        curve.set(xlabel=axis, ylabel=f"{measured.split('_', 1)[1].rsplit('_', 1)[0]} [{unit}]"
-                  .replace("_per", "").replace("_", " "))
+        name = measured.split("_", 1)[1].rsplit("_", 1)[0].replace("_per", "").replace("_", " ")
+        curve.set(xlabel=axis, ylabel=f"{name[0].upper()}{name[1:]} [{unit}]")
         error.set(xlabel=axis, ylabel="Error of the packing [%]")
         branches.semilogy(ladder["kelvin_branches_asked"], ladder["rms_error_percent"], "o-", label="rms")
         branches.semilogy(ladder["kelvin_branches_asked"], ladder["largest_error_percent"], "s--",
                           label="largest")
-        branches.set(xlabel="Kelvin branches of a bond", ylabel="Error [%]")
+        branches.set(xlabel="Kelvin branches of a bond", ylabel="Error [%]",
+                     xticks=ladder["kelvin_branches_asked"])
         branches.legend()
         save(figure, folder / "calibration.png")
 

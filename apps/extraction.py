@@ -48,7 +48,8 @@ def draw_compliance(folder):
     figure = Figure(figsize=(10, 4.6))
     left, right = figure.subplots(1, 2)
     time = data["time_s"][1:]  # the first is 0
-    left.loglog(time, data["uniaxial_compliance_isotropic_per_GPa"][1:], "k", label="nearest isotropic")
+    left.loglog(time, data["uniaxial_compliance_isotropic_per_GPa"][1:], color="0.75", lw=5,
+                label="nearest isotropic")
     for axis in "123":
         left.loglog(time, data[f"uniaxial_compliance_{axis}_per_GPa"][1:], "--", label=f"along {axis}")
     left.set(xlabel="Time [s]", ylabel="Uniaxial creep compliance D(t) [1/GPa]")
@@ -70,13 +71,14 @@ def draw_modulus(folder):
         rows = [k for k, t in enumerate(data["temperature_degC"]) if t == temperature]
         def column(name):
             return [data[name][k] for k in rows]
-        look = {"marker": "os^dv<>"[number % 7], "color": f"C{number}", "label": f"{temperature:g} °C"}
+        look = {"marker": "os^dv<>"[number % 7], "color": f"C{number}", "label": f"{temperature:g} °C",
+                "markersize": 6 if len(rows) <= 10 else 4}
         modulus.loglog(column("reduced_frequency_Hz"), column("dynamic_modulus_MPa"), **look)
         phase.semilogx(column("reduced_frequency_Hz"), column("phase_angle_deg"), **look)
         cole.plot(column("storage_modulus_MPa"), column("loss_modulus_MPa"), **look)
         black.semilogy(column("phase_angle_deg"), column("dynamic_modulus_MPa"), **look)
-    modulus.set(xlabel="Reduced frequency [Hz]", ylabel="|E*| [MPa]", title="Master curve")
-    phase.set(xlabel="Reduced frequency [Hz]", ylabel="Phase angle [deg]", title="Master curve")
+    modulus.set(xlabel="Reduced frequency [Hz]", ylabel="|E*| [MPa]", title="Modulus, master curve")
+    phase.set(xlabel="Reduced frequency [Hz]", ylabel="Phase angle [deg]", title="Phase angle, master curve")
     cole.set(xlabel="E' [MPa]", ylabel="E'' [MPa]", title="Cole-Cole diagram")
     black.set(xlabel="Phase angle [deg]", ylabel="|E*| [MPa]", title="Black diagram")
     modulus.legend()
