@@ -87,13 +87,18 @@ std::string bonds_section(const Calibrated& best, const Scene& scene, const std:
       "  set Kelvin viscosity      = {}\n"
       "  set Normal to shear ratio = {}\n"
       "  set Radius multiplier     = {}\n"
+      "end\n"
+      "subsection Volume element # the law is known from here to there\n"
+      "  set First time = {} s\n"
+      "  set Last time  = {} s\n"
       "end\n",
       source, 100 * best.fit.relative_rms, best.fit.valid_time.first, best.fit.valid_time.last,
       best.fit.reference_temperature - 273.15, shortest(best.law.maxwell_stiffness),
       best.law.maxwell_viscosity ? shortest(*best.law.maxwell_viscosity) + " N s/m" : "none",
       joined(best.law.branches, &dem::KelvinBranch::stiffness, "N/m"),
       joined(best.law.branches, &dem::KelvinBranch::viscosity, "N s/m"),
-      shortest(scene.bonds.normal_to_shear), shortest(scene.bonds.radius_multiplier));
+      shortest(scene.bonds.normal_to_shear), shortest(scene.bonds.radius_multiplier),
+      shortest(best.fit.valid_time.first), shortest(best.fit.valid_time.last));
 }
 
 /// Measured curve, that of the fit, and that of the packing with the calibrated law, solved anew.
@@ -261,10 +266,14 @@ int calibrate_verb(const std::string& scene_file, const std::filesystem::path& f
   write_text_file(folder / "check.csv", csv(check));
   fmt::print("{}: {} particles, {} bonds; D(t) = c J(t) with c = {:.6g} m\n{}", scene.name,
              assembly.particles.size(), assembly.bonds.size(), factor, ladder_text(ladder));
-  fmt::print("  chosen: {} branches asked, {} used\n{}", best.n_branches, best.law.branches.size(),
+  fmt::print("  chosen: {} ({}); {} constants for {} numbers\n{}", best.n_branches,
+             asked > 0 ? "asked for"
+                       : fmt::format("the fewest within {:g} % rms, or the best",
+                                     100 * calibration.accuracy),
+             2 * best.n_branches + 2, best.fit.points.size() * (best.fit.phase_rms ? 2 : 1),
              section);
-  fmt::print("  check: the packing with this law gives the measured curve within {:.3g} %, and the "
-             "fitted one within {:.1g}\n",
+  fmt::print("  check: the packing with this law, platens and all, gives the measured curve within "
+             "{:.3g} % at the worst point, and the fitted one within {:.1g}\n",
              largest(check[3].values), against_fit);
   for (const fem::FitWarning& warning : best.fit.warnings)
     fmt::print("  warning: {}\n", warning.text);

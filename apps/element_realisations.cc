@@ -89,14 +89,23 @@ dem::PeriodicContacts contacts(const Scene::Specimen& v, const dem::PeriodicCell
              : dem::periodic_nearest_contacts(cell, particles, v.mean_contacts);
 }
 
-dem::VolumeElement cut_element(const LoadedScene& loaded)
+dem::VolumeElement cut_element(const LoadedScene& loaded, std::uint64_t seed)
 {
   const Scene& scene = *loaded.scene;
   const std::vector<double>& e = scene.element.edges;
   if (e.size() != 3)
     throw std::invalid_argument(
         "Volume element/Edges: give the three lengths of the box that is cut out");
-  const Packing packing = make_packing(loaded);
+  Packing packing;
+  if (scene.specimen.source == SpecimenSource::generate)
+    packing = {dem::grow_packing(packing_request(scene), seed),
+               std::nullopt,
+               {},
+               {0, scene.specimen.height},
+               "",
+               std::nullopt};
+  else
+    packing = make_packing(loaded);
   const dem::ContactPairs pairs =
       scene.specimen.bond_rule == BondRule::gap
           ? dem::contacts_within(packing.particles, scene.specimen.bond_gap)
@@ -137,7 +146,7 @@ dem::VolumeElement make_element(const LoadedScene& loaded, const RealisationTask
 {
   const Scene& scene = *loaded.scene;
   if (scene.element.source == ElementSource::cut)
-    return cut_element(loaded);
+    return cut_element(loaded, task.seed);
   dem::PeriodicCell cell;
   dem::Particles particles;
   if (scene.element.source == ElementSource::file) {

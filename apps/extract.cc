@@ -126,7 +126,7 @@ std::string verdict(const std::vector<const Realisation*>& group, const SizeResu
       bounds.push_back(
           {*each->stiffness[1], *each->stiffness[2], *each->stiffness[3], each->size_ratio});
   if (group.size() < 2)
-    return "one realisation says nothing about scatter; Realisations = 4 or more does";
+    return "one volume says nothing about scatter";
   if (bounds.size() < group.size())
     return fmt::format(
         "{} spheres: Young's modulus of one volume scatters by {:.2g} %, the mean of "
@@ -156,7 +156,7 @@ void compare_sizes(Extraction& e)
     const Scatter &a = e.sizes[k].young, &b = e.sizes.back().young;
     const double change = a.mean / b.mean - 1, noise = std::hypot(a.band, b.band) / b.mean;
     e.notes.push_back(
-        fmt::format("{} spheres give a Young's modulus {:+.2g} % from that of {} ({})",
+        fmt::format("Young's modulus of {} spheres: {:+.2g} % beside that of {} ({})",
                     e.sizes[k].n_particles, 100 * change, e.sizes.back().n_particles,
                     std::abs(change) > noise
                         ? "more than the confidence bands explain: the size matters"
@@ -191,26 +191,13 @@ std::vector<RealisationTask> tasks_of(const Scene& scene)
   std::ranges::sort(sizes);
   std::vector<RealisationTask> tasks;
   const bool grown = scene.element.source == ElementSource::grow;
+  const bool many = grown || (scene.element.source == ElementSource::cut &&
+                              scene.specimen.source == SpecimenSource::generate);
   for (auto n = sizes.rbegin(); n != sizes.rend(); ++n) // the longest first: threads end together
-    for (long k = 0; k < (grown ? scene.element.n_realisations : 1); ++k)
+    for (long k = 0; k < (many ? scene.element.n_realisations : 1); ++k)
       tasks.push_back({grown ? *n : 0, std::uint64_t(scene.specimen.seed + k),
                        several_laws && *n == sizes.back()});
   return tasks;
-}
-
-void check_input(const Scene& scene)
-{
-  const VolumeElementInput& v = scene.element;
-  if (v.last_time <= v.first_time)
-    throw std::invalid_argument("Volume element/Last time must be later than First time");
-  if (v.source != ElementSource::grow && !v.sizes.empty())
-    throw std::invalid_argument("Volume element/Sizes is for Source = grow only");
-  if (!v.edges.empty() && v.sizes.size() > 1)
-    throw std::invalid_argument("Volume element/Edges fixes the cell: leave Sizes out, or Edges");
-  if (v.source == ElementSource::cut && v.condition == dem::BoundaryCondition::periodic)
-    throw std::invalid_argument(
-        "a cut element has no periodic Boundary condition; use kinematic or "
-        "uniform traction");
 }
 
 } // namespace
@@ -247,7 +234,7 @@ Extraction sum_up(const LoadedScene& loaded, std::vector<Realisation> realisatio
       e.law.is_exact ? "bond laws are proportional: exact for all times"
                      : fmt::format("fitted to creep tests from {:g} s to {:g} s", e.law.first_time,
                                    e.law.last_time)};
-  if (const std::string keys = estimated_keys(loaded); !keys.empty())
+  if (const std::string keys = estimated_bond_keys(loaded); !keys.empty())
     e.record.provenance.push_back("estimated, not measured: " + keys);
   if (!e.law.is_exact)
     compare_routes(scene, groups.rbegin()->second, e);
@@ -263,7 +250,6 @@ int extract_verb(const std::string& file, const std::string& output, const RunOp
   print_diagnostics(scene.diagnostics);
   if (scene.has_errors())
     return exit_input;
-  check_input(*scene.scene);
   const std::filesystem::path folder =
       output.empty() ? result_folder(scene) : std::filesystem::path(output);
   require_writable(folder);

@@ -59,9 +59,10 @@ std::string law_text_lines(const LoadedScene& scene, const Extraction& e)
                       distance(fem::SymmetryClass::transversely_isotropic),
                       distance(fem::SymmetryClass::orthotropic));
   if (e.law.is_exact)
-    text += fmt::format("  the bond laws are proportional: {} retardation times, exact for all "
-                        "times\n",
-                        law.terms.size());
+    text += fmt::format(
+        "  the bond laws are proportional: the law has their {} retardation time{}, exact for all "
+        "times\n",
+        law.terms.size(), law.terms.size() == 1 ? "" : "s");
   else
     text +=
         fmt::format("  several bond laws: {} retardation times fitted from {:g} s to {:g} s; rms "
@@ -87,7 +88,7 @@ std::string extraction_report(const LoadedScene& scene, const Extraction& e)
   std::string text =
       "  Young's modulus at t = 0+, of the nearest isotropic tensor; the law is taken "
       "under the boundary condition '" +
-      name_of(scene.scene->element.condition) + "'\n";
+      name_of(scene.scene->element.condition) + "'; +- is the standard deviation of one volume\n";
   text += sizes_text(e) + law_text_lines(scene, e);
   text += fmt::format("  energy of the bonds and work of the mean stress agree to {:.1g} "
                       "(Hill-Mandel)\n",
@@ -96,7 +97,7 @@ std::string extraction_report(const LoadedScene& scene, const Extraction& e)
     text += fmt::format("  note: {} particles in all elements carry nothing\n", n_loose);
   for (const std::string& note : e.notes)
     text += "  " + note + "\n";
-  const std::string keys = estimated_keys(scene);
+  const std::string keys = estimated_bond_keys(scene);
   if (!keys.empty())
     text += "  preset 'estimate': estimates, not the paper's tables, stand for " + keys + "\n";
   return text;

@@ -334,21 +334,38 @@ bool LoadedScene::has_errors() const
                              [](const Diagnostic& d) { return d.kind == Diagnostic::Kind::error; });
 }
 
-std::string estimated_keys(const LoadedScene& scene)
+namespace {
+
+const std::vector<std::string> bond_estimates{"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
+                                              "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
+                                              "Bonds/Radius multiplier"};
+
+/// Those of the keys that have not been set, if the scene stands on estimates.
+std::string unset(const LoadedScene& scene, const std::vector<std::string>& keys)
 {
   std::string list;
   if (scene.scene->preset != BondPreset::estimate)
     return list;
-  std::vector<std::string> keys{"Bonds/Maxwell stiffness", "Bonds/Maxwell viscosity",
-                                "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
-                                "Bonds/Radius multiplier"};
+  for (const std::string& key : keys)
+    if (!scene.schema->set_keys().contains(key))
+      list += (list.empty() ? "" : ", ") + key.substr(key.find('/') + 1);
+  return list;
+}
+
+} // namespace
+
+std::string estimated_bond_keys(const LoadedScene& scene)
+{
+  return unset(scene, bond_estimates);
+}
+
+std::string estimated_keys(const LoadedScene& scene)
+{
+  std::vector<std::string> keys = bond_estimates;
   if (scene.scene->strength.kind != StrengthKind::none)
     keys.insert(keys.end(), {"Strength/Nonpositive draws", "Strength/Shear to normal ratio",
                              "Strength/Rate window", "Strength/Rate floor"});
-  for (const std::string& key : keys)
-    if (scene.schema->is_default(key))
-      list += (list.empty() ? "" : ", ") + key.substr(key.find('/') + 1);
-  return list;
+  return unset(scene, keys);
 }
 
 LoadedScene load_scene_text(const std::string& text, const std::string& name,

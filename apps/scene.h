@@ -171,6 +171,9 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
 /// Names of the keys that stand on estimated values, separated by commas; empty if there are none.
 std::string estimated_keys(const LoadedScene& scene);
 
+/// The same for the creep law of the bonds alone.
+std::string estimated_bond_keys(const LoadedScene& scene);
+
 /// What the keys together say that cannot be, or is unusual.
 std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& schema);
 

@@ -258,6 +258,32 @@ void check_temperature(const Scene& scene, Findings& findings)
     findings.error("Temperature/Temperature", "give either Temperature or Temperature history");
 }
 
+void check_element(const Scene& scene, Findings& findings)
+{
+  const VolumeElementInput& v = scene.element;
+  const std::string section = "Volume element/";
+  if (v.last_time <= v.first_time)
+    findings.error(section + "Last time", "must be later than First time");
+  if (v.source != ElementSource::grow && !v.sizes.empty())
+    findings.error(section + "Sizes", "is for Source = grow only");
+  if (!v.edges.empty() && v.sizes.size() > 1)
+    findings.error(section + "Edges", "fixes the cell: leave Sizes out, or Edges");
+  if (!v.edges.empty() || v.source != ElementSource::grow)
+    try {
+      cell_of(v.edges);
+    } catch (const std::invalid_argument& problem) {
+      findings.error(section + "Edges", problem.what());
+    }
+  if (v.source == ElementSource::file && scene.specimen.source != SpecimenSource::file)
+    findings.error(section + "Source", "file needs Specimen/Source = file with its File");
+  if (v.source == ElementSource::cut && v.condition == dem::BoundaryCondition::periodic)
+    findings.error(section + "Boundary condition",
+                   "a cut element has no periodic one; use kinematic or uniform traction");
+  if (v.temperatures.size() > 1 && scene.temperature.shift == ShiftKind::none)
+    findings.tell(Diagnostic::Kind::warning, section + "Temperatures",
+                  "without a Shift law all temperatures give the same");
+}
+
 void check_solver(const Scene& scene, Findings& findings)
 {
   const bool others = scene.solver == SolverChoice::linear ||
@@ -330,6 +356,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
   check_preset(scene, findings);
   check_strength(scene, findings);
   check_temperature(scene, findings);
+  check_element(scene, findings);
   check_loading(scene, findings);
   check_solver(scene, findings);
   check_output(scene, findings);

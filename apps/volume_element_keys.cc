@@ -35,7 +35,7 @@ void declare_element(Schema& s, VolumeElementInput& v)
       "uniform traction. A cut element knows no periodic one.");
   s.flag("Bounds", v.bounds, "true", "Compute the other boundary conditions as well.");
   s.integer("Realisations", v.n_realisations, "4", between(1, 100000),
-            "Packings of each size; seeds count up from Specimen/Seed.");
+            "Packings of each size, or specimens to cut from; seeds count up from Specimen/Seed.");
   s.quantities(
       "Sizes", v.sizes, "1", "", at_least(1),
       "Numbers of spheres to compare. Empty: Specimen/Particles. The law is taken from the "
@@ -75,8 +75,8 @@ dem::PeriodicCell cell_of(const std::vector<double>& e)
   if (e.size() == 3)
     return dem::make_periodic_cell(dem::Vec3(e[0], e[1], e[2]).asDiagonal());
   if (e.size() != 9)
-    throw std::invalid_argument(fmt::format("Volume element/Edges: give three lengths or nine "
-                                            "components of three vectors, found {} numbers",
+    throw std::invalid_argument(fmt::format("give three lengths or nine components of three "
+                                            "vectors, found {} numbers",
                                             e.size()));
   dem::Mat3 edges;
   edges << e[0], e[3], e[6], e[1], e[4], e[7], e[2], e[5], e[8];

@@ -38,7 +38,8 @@ TEST(Calibrate, ThePackingWithTheNewLawCreepsAsMeasured)
   const Finished done =
       mastic(folder, {"calibrate", "net.scene", "creep.csv", "-o", "out", "--accuracy", "1e-3"});
   ASSERT_EQ(done.exit_code, 0) << done.output;
-  EXPECT_TRUE(contains(done.output, "check: the packing with this law gives")) << done.output;
+  EXPECT_TRUE(contains(done.output, "check: the packing with this law, platens and all, gives"))
+      << done.output;
   // a run of the specimen with the section that was written
   folder.write("check.scene",
                "include net.scene\ninclude out/bonds.inc\n"

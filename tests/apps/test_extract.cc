@@ -110,8 +110,8 @@ TEST(Extract, RefusesWhatCannotBe)
     EXPECT_FALSE(folder.has("out"));
   };
   refused({"Volume element/Boundary condtion = affine"}, "did you mean 'Boundary condition'");
-  refused({"Volume element/Last time = 1e-4 s"}, "Last time must be later than First time");
-  refused({"Volume element/Source = cut"}, "a cut element has no periodic Boundary condition");
+  refused({"Volume element/Last time = 1e-4 s"}, "must be later than First time");
+  refused({"Volume element/Source = cut"}, "a cut element has no periodic one");
   refused({"Volume element/Source = file", "Volume element/Sizes = 10, 20"},
-          "Sizes is for Source = grow only");
+          "is for Source = grow only");
 }
