@@ -280,7 +280,7 @@ void check_element(const Scene& scene, Findings& findings)
     findings.error(section + "Boundary condition",
                    "a cut element has no periodic one; use kinematic or uniform traction");
   if (v.temperatures.size() > 1 && scene.temperature.shift == ShiftKind::none)
-    findings.tell(Diagnostic::Kind::warning, section + "Temperatures",
+    findings.tell(Diagnostic::Kind::warning, section + "Modulus temperatures",
                   "without a Shift law all temperatures give the same");
 }
 

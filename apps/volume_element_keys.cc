@@ -65,7 +65,7 @@ void declare(Schema& s, VolumeElementInput& v)
             "proportional); 0: as many as the data show. Proportional laws need no fit.");
   s.number("Stepping tolerance", v.tolerance, "1e-5", Bounds{0, 0.1, false, true},
            "Of the time stepping for several bond laws, relative, per interval.");
-  s.quantities("Temperatures", v.temperatures, "degC", "", above(-273.15),
+  s.quantities("Modulus temperatures", v.temperatures, "degC", "", above(-273.15),
                "Of the complex modulus, with the shift of the section Temperature. Empty: that of "
                "the scene.");
 }

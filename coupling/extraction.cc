@@ -16,6 +16,9 @@ namespace coupling {
 
 namespace {
 
+/// Up to so many times are moved to where they serve best.
+constexpr int most_free_times = 6;
+
 std::vector<double> sample_times(const SamplingOptions& options)
 {
   if (!(options.first_time > 0) || !(options.last_time > options.first_time) || options.n_times < 3)
@@ -28,6 +31,20 @@ std::vector<double> sample_times(const SamplingOptions& options)
        fem::retardation_grid(options.first_time, options.last_time, options.n_times))
     times.push_back(time);
   return times;
+}
+
+/// The mean over all directions, as a scalar curve.
+fem::Measurements traces_of(const MeanCompliance& samples)
+{
+  fem::Measurements traces{fem::Quantity::creep_compliance, {}};
+  for (std::size_t k = 0; k < samples.time.size(); ++k)
+    if (samples.time[k] > 0) {
+      fem::Measurement point;
+      point.at = samples.time[k];
+      point.value = samples.compliance[k].trace();
+      traces.points.push_back(point);
+    }
+  return traces;
 }
 
 } // namespace
@@ -93,26 +110,34 @@ ExtractedLaw fitted_law(const MeanCompliance& samples, const SamplingOptions& op
   for (std::size_t k = 0; k < samples.time.size(); ++k)
     points.push_back(
         {samples.time[k], 0.5 * (samples.compliance[k] + samples.compliance[k].transpose())});
-  const auto fitted = [&](int n) {
-    return fem::fit_compliance_law(points,
-                                   fem::retardation_grid(options.first_time, options.last_time, n));
+  const auto fitted = [&](const std::vector<double>& times) {
+    return fem::fit_compliance_law(points, times);
+  };
+  const fem::Measurements traces = traces_of(samples);
+  const auto better_of_two = [&](int n) {
+    const std::vector<double> grid =
+        fem::retardation_grid(options.first_time, options.last_time, n);
+    const std::vector<double> moved =
+        n <= most_free_times ? fem::best_times(traces, n) : fem::moved_times(traces, grid);
+    fem::TensorFit on_grid = fitted(grid);
+    if (moved.empty())
+      return on_grid;
+    fem::TensorFit off_grid = fitted(moved);
+    return off_grid.relative_rms < on_grid.relative_rms ? off_grid : on_grid;
   };
   fem::TensorFit fit;
   if (options.n_terms > 0)
-    fit = fitted(options.n_terms);
+    fit = fitted(fem::retardation_grid(options.first_time, options.last_time, options.n_terms));
   else {
     const double decades = std::log10(options.last_time / options.first_time);
     const int most = std::max(1, std::min(int(3 * decades) + 1, options.n_times / 2));
     int n = std::min(most, std::max(1, int(decades / 2)));
-    fit = fitted(n);
+    fit = better_of_two(n);
     while (fit.relative_rms > sufficient_error && n < most) {
       n = std::min(most, n + std::max(1, n / 3));
-      const fem::TensorFit next = fitted(n);
-      const bool gains = next.relative_rms < 0.8 * fit.relative_rms;
+      const fem::TensorFit next = better_of_two(n);
       if (next.relative_rms < fit.relative_rms)
         fit = next;
-      if (!gains)
-        break;
     }
   }
   return {fit.law,

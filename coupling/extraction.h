@@ -63,9 +63,10 @@ double frequency_difference(const fem::ComplianceLaw& law, std::span<const doubl
 MeanCompliance mean_of(std::span<const MeanCompliance> samples);
 
 /// The admissible law nearest to samples (cone-constrained least squares). If their number is not
-/// given, retardation times are added, one per two decades to three per decade, until the rms error
-/// is below 1e-3 (`sufficient_error`) or no longer falls by a fifth: further ones could not be told
-/// apart.
+/// given, retardation times are added, from one per two decades to three per decade, until the rms
+/// error is below 1e-3 (`sufficient_error`); more could not be told apart. They lie on a grid, or
+/// where the trace of S(t) is met best (`fem::best_times`, `fem::moved_times`) if
+/// that is nearer.
 ExtractedLaw fitted_law(const MeanCompliance& samples, const SamplingOptions& options);
 
 } // namespace coupling

@@ -86,7 +86,8 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                    "Accept unusual values",
                    "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
-                   "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study, Expect, "
+                   "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study, Volume "
+                   "element, Expect, "
                    "Repeat"}));
 }
 
