@@ -1,5 +1,6 @@
 #include "apps/calibrate.h"
 
+#include "apps/element_realisations.h"
 #include "apps/files.h"
 #include "apps/fit_data.h"
 #include "apps/fit_report.h"
@@ -10,6 +11,7 @@
 #include "coupling/calibration.h"
 #include "dem/linear.h"
 #include "fem/curve_fit.h"
+#include "fem/symmetry.h"
 
 #include <fmt/format.h>
 
@@ -45,14 +47,54 @@ int branches_of(const std::string& text)
   return n;
 }
 
-/// Law of the bonds of a specimen; they must follow one.
-dem::CreepLaw common_law(const dem::Assembly& assembly)
+/// Creep compliance at t = 0 [1/Pa] of the specimen, over its platens.
+double specimen_compliance(const LoadedScene& scene, const Packing& packing)
 {
-  const auto proportional = dem::proportional_laws(assembly.laws);
-  if (!proportional)
-    throw std::invalid_argument("the bonds of the scene follow several laws that are not "
-                                "proportional: one measured curve does not determine them");
-  return proportional->creep;
+  dem::Assembly assembly = make_specimen(scene, packing).assembly;
+  assembly.strengths.reset();
+  return dem::creep_compliance(dem::make_linear_model(assembly), 0);
+}
+
+/// That of the material: of the mean compliance of the volume elements of the largest size, nearest
+/// isotropic tensor. Nothing if the user ended it.
+std::optional<double> element_compliance(const LoadedScene& scene, PackingStore& store,
+                                         const RunOptions& options)
+{
+  std::vector<RealisationTask> tasks = realisation_tasks(*scene.scene);
+  std::erase_if(tasks, [n = tasks.front().n_particles](const RealisationTask& task) {
+    return task.n_particles != n;
+  });
+  const auto wanted =
+      std::ranges::find(all_conditions, scene.scene->element.condition) - all_conditions.begin();
+  dem::Mat6 mean = dem::Mat6::Zero();
+  for (const std::optional<Realisation>& each : realise_all(scene, tasks, store, options)) {
+    if (!each)
+      return std::nullopt;
+    mean += dem::compliance(*each->stiffness[std::size_t(wanted)]) / double(tasks.size());
+  }
+  return 1 / fem::engineering_constants(fem::nearest(mean, fem::Symmetry{})).young[0];
+}
+
+/// The one law of the bonds of a scene.
+dem::CreepLaw only_law(const Scene& scene)
+{
+  if (!scene.more_bonds.empty())
+    throw std::invalid_argument("the scene has several bond laws: one measured curve does not "
+                                "determine them");
+  return bond_laws(scene, 1).front().creep;
+}
+
+/// Puts a law into the scene.
+void set_law(Scene& scene, const dem::CreepLaw& law)
+{
+  scene.bonds.maxwell_stiffness = law.maxwell_stiffness;
+  scene.bonds.maxwell_viscosity = law.maxwell_viscosity;
+  scene.bonds.kelvin_stiffness.clear();
+  scene.bonds.kelvin_viscosity.clear();
+  for (const dem::KelvinBranch& branch : law.branches) {
+    scene.bonds.kelvin_stiffness.push_back(branch.stiffness);
+    scene.bonds.kelvin_viscosity.push_back(branch.viscosity);
+  }
 }
 
 Calibrated calibrated(const fem::Measurements& data, const fem::CurveFitOptions& common, int n,
@@ -101,9 +143,10 @@ std::string bonds_section(const Calibrated& best, const Scene& scene, const std:
       shortest(best.fit.valid_time.first), shortest(best.fit.valid_time.last));
 }
 
-/// Measured curve, that of the fit, and that of the packing with the calibrated law, solved anew.
+/// Measured curve, and that of the packing with the calibrated law and the elastic compliance
+/// [1/Pa] that was solved for anew.
 std::vector<Column> check_columns(const fem::Measurements& reduced, const Calibrated& best,
-                                  const dem::LinearModel& model)
+                                  double elastic)
 {
   const bool over_time = reduced.quantity != fem::Quantity::dynamic_modulus;
   const bool is_creep = reduced.quantity == fem::Quantity::creep_compliance;
@@ -122,17 +165,17 @@ std::vector<Column> check_columns(const fem::Measurements& reduced, const Calibr
   }
   const double scale = is_creep ? 1e9 : 1e-6;
   const std::vector<dem::RelaxationMode> spectrum = dem::relaxation_spectrum(best.law);
-  const double modulus = model.gauge_length / (model.area * model.compliance) /
-                         best.law.maxwell_stiffness; // E(0) over K_m
+  const double factor = coupling::geometry_factor(elastic, best.law);
   for (const fem::Measurement& point : reduced.points) {
     double packing = 0;
     std::vector<double> phases;
     if (is_creep)
-      packing = dem::creep_compliance(model, point.at);
+      packing = factor * dem::creep_compliance(best.law, point.at);
     else if (over_time)
-      packing = modulus * dem::relaxation(spectrum, point.at);
+      packing = dem::relaxation(spectrum, point.at) / factor;
     else {
-      const std::complex<double> e = dem::complex_modulus(model, 2 * std::numbers::pi * point.at);
+      const std::complex<double> e =
+          1.0 / (factor * dem::complex_compliance(best.law, 2 * std::numbers::pi * point.at));
       packing = std::abs(e);
       phases = {point.phase ? *point.phase / degree : NAN, std::arg(e) / degree};
     }
@@ -231,14 +274,26 @@ int calibrate_verb(const std::string& scene_file, const std::filesystem::path& f
                                  : calibration.output;
   require_writable(folder);
 
-  const Packing packing = options.packing
-                              ? read_packing(*options.packing, packing_recipe(*scene.scene))
+  const bool from_elements = calibration.from == "element";
+  const dem::CreepLaw before = only_law(*scene.scene);
+  Packing packing;
+  PackingStore store{from_elements ? folder / "packings" : "", {}};
+  if (from_elements)
+    make_folder(store.folder);
+  else
+    packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
                               : make_packing(scene);
-  dem::Assembly assembly = make_specimen(scene, packing).assembly;
-  assembly.strengths.reset();
-  const dem::CreepLaw before = common_law(assembly);
-  const dem::LinearModel start = dem::make_linear_model(assembly);
-  const double factor = coupling::geometry_factor(dem::creep_compliance(start, 0), before);
+  scene.scene->element.bounds = false;
+  const auto elastic = [&]() -> std::optional<double> {
+    return from_elements ? element_compliance(scene, store, options)
+                         : specimen_compliance(scene, packing);
+  };
+  const std::optional<double> compliance = elastic();
+  if (!compliance) {
+    fmt::print("{}: interrupted; packings are kept in {}\n", scene.name, store.folder.string());
+    return exit_interrupted;
+  }
+  const double factor = coupling::geometry_factor(*compliance, before);
   std::vector<Calibrated> ladder;
   try {
     ladder = made_ladder(data, common, asked, factor);
@@ -247,13 +302,12 @@ int calibrate_verb(const std::string& scene_file, const std::filesystem::path& f
   }
   const Calibrated& best = chosen(ladder, asked, calibration.accuracy);
 
-  for (dem::BondLaw& law : assembly.laws) { // the check: the packing with the new law, solved anew
-    const double share = *dem::proportionality(before, law.creep);
-    law.creep = dem::scaled(best.law, share);
-  }
-  const dem::LinearModel model = dem::make_linear_model(assembly);
+  set_law(*scene.scene, best.law);
+  const std::optional<double> after = elastic();
+  if (!after)
+    return exit_interrupted;
   const fem::Measurements reduced = fem::reduced(data, best.fit.shift);
-  const std::vector<Column> check = check_columns(reduced, best, model);
+  const std::vector<Column> check = check_columns(reduced, best, *after);
   double against_fit = 0; // how well the packing does what the fit says
   for (std::size_t k = 0; k < reduced.points.size(); ++k)
     against_fit = std::max(against_fit,
@@ -264,17 +318,19 @@ int calibrate_verb(const std::string& scene_file, const std::filesystem::path& f
   write_text_file(folder / "bonds.inc", section);
   write_text_file(folder / "branches.csv", csv(ladder_columns(ladder)));
   write_text_file(folder / "check.csv", csv(check));
-  fmt::print("{}: {} particles, {} bonds; D(t) = c J(t) with c = {:.6g} m\n{}", scene.name,
-             assembly.particles.size(), assembly.bonds.size(), factor, ladder_text(ladder));
+  fmt::print("{}: {}; D(t) = c J(t) with c = {:.6g} m\n{}", scene.name,
+             from_elements ? "mean of the volume elements" : "the specimen over its platens",
+             factor, ladder_text(ladder));
   fmt::print("  chosen: {} ({}); {} constants for {} numbers\n{}", best.n_branches,
              asked > 0 ? "asked for"
                        : fmt::format("the fewest within {:g} % rms, or the best",
                                      100 * calibration.accuracy),
              2 * best.n_branches + 2, best.fit.points.size() * (best.fit.phase_rms ? 2 : 1),
              section);
-  fmt::print("  check: the packing with this law, platens and all, gives the measured curve within "
+  fmt::print("  check: with this law {} gives the measured curve within "
              "{:.3g} % at the worst point, and the fitted one within {:.1g}\n",
-             largest(check[3].values), against_fit);
+             from_elements ? "the mean volume element" : "the specimen", largest(check[3].values),
+             against_fit);
   for (const fem::FitWarning& warning : best.fit.warnings)
     fmt::print("  warning: {}\n", warning.text);
   fmt::print("  files in {}\n", folder.string());

@@ -8,6 +8,7 @@ namespace apps {
 
 /// Options of `mastic calibrate`.
 struct CalibrateOptions {
+  std::string from = "specimen"; ///< what is to creep as measured: specimen or element
   std::string branches = "auto"; ///< "auto" or a number of Kelvin branches
   std::string shift = "none";    ///< none, wlf, arrhenius or free: of data at several temperatures
   std::string reference;         ///< temperature; empty: the measured one nearest to 20 degC

@@ -127,6 +127,26 @@ std::vector<double> angular_frequencies(const Scene& scene)
   return omega;
 }
 
+std::vector<RealisationTask> realisation_tasks(const Scene& scene)
+{
+  const bool several_laws = !dem::proportional_laws(bond_laws(scene, 1));
+  std::vector<std::size_t> sizes;
+  for (const double each : scene.element.sizes)
+    sizes.push_back(std::size_t(std::lround(each)));
+  if (sizes.empty())
+    sizes.push_back(std::size_t(scene.specimen.n_particles));
+  std::ranges::sort(sizes);
+  std::vector<RealisationTask> tasks;
+  const bool grown = scene.element.source == ElementSource::grow;
+  const bool many = grown || (scene.element.source == ElementSource::cut &&
+                              scene.specimen.source == SpecimenSource::generate);
+  for (auto n = sizes.rbegin(); n != sizes.rend(); ++n) // the longest first: threads end together
+    for (long k = 0; k < (many ? scene.element.n_realisations : 1); ++k)
+      tasks.push_back({grown ? *n : 0, std::uint64_t(scene.specimen.seed + k),
+                       several_laws && *n == sizes.back()});
+  return tasks;
+}
+
 std::string name_of(dem::BoundaryCondition condition)
 {
   switch (condition) {

@@ -44,6 +44,9 @@ struct RealisationTask {
   bool wants_samples; ///< S(t) by time stepping
 };
 
+/// The tasks that the section Volume element asks for, the largest size first.
+std::vector<RealisationTask> realisation_tasks(const Scene& scene);
+
 /// A folder in which grown packings are kept and found the next time.
 struct PackingStore {
   std::filesystem::path folder; ///< empty: they are not kept

@@ -180,26 +180,6 @@ void compare_routes(const Scene& scene, const std::vector<const Realisation*>& g
         100 * coupling::frequency_difference(e.law.law, omega, mean), omega.size()));
 }
 
-std::vector<RealisationTask> tasks_of(const Scene& scene)
-{
-  const bool several_laws = !dem::proportional_laws(bond_laws(scene, 1));
-  std::vector<std::size_t> sizes;
-  for (const double each : scene.element.sizes)
-    sizes.push_back(std::size_t(std::lround(each)));
-  if (sizes.empty())
-    sizes.push_back(std::size_t(scene.specimen.n_particles));
-  std::ranges::sort(sizes);
-  std::vector<RealisationTask> tasks;
-  const bool grown = scene.element.source == ElementSource::grow;
-  const bool many = grown || (scene.element.source == ElementSource::cut &&
-                              scene.specimen.source == SpecimenSource::generate);
-  for (auto n = sizes.rbegin(); n != sizes.rend(); ++n) // the longest first: threads end together
-    for (long k = 0; k < (many ? scene.element.n_realisations : 1); ++k)
-      tasks.push_back({grown ? *n : 0, std::uint64_t(scene.specimen.seed + k),
-                       several_laws && *n == sizes.back()});
-  return tasks;
-}
-
 } // namespace
 
 Extraction sum_up(const LoadedScene& loaded, std::vector<Realisation> realisations)
@@ -257,7 +237,7 @@ int extract_verb(const std::string& file, const std::string& output, const RunOp
   make_folder(store.folder);
   fmt::print("{}{}\n", scene.name, scene.scene->title.empty() ? "" : ": " + scene.scene->title);
   std::fflush(stdout);
-  const std::vector<RealisationTask> tasks = tasks_of(*scene.scene);
+  const std::vector<RealisationTask> tasks = realisation_tasks(*scene.scene);
   std::vector<Realisation> done;
   for (std::optional<Realisation>& each : realise_all(scene, tasks, store, options))
     if (each)

@@ -136,6 +136,10 @@ void add_calibrate(CLI::App& app, Arguments& a, std::function<int()>& action)
   CalibrateOptions& v = a.calibrate;
   verb->add_option("scene", a.scene, "Scene file with the packing")->required();
   verb->add_option("data", a.data, "Measured curve (.csv), as for 'mastic fit'")->required();
+  verb->add_option("--from", v.from,
+                   "What is to creep as measured: the specimen over its platens (default), or the "
+                   "material: the mean volume element")
+      ->check(CLI::IsMember({"specimen", "element"}));
   verb->add_option("--branches", v.branches,
                    "Kelvin branches of a bond: auto (default) or a number");
   verb->add_option("--accuracy", v.accuracy,
