@@ -61,7 +61,8 @@ dem::VolumeElement make_element(const LoadedScene& scene, const RealisationTask&
 /// Makes an element and lets it answer.
 Realisation realise(const LoadedScene& scene, const RealisationTask& task, PackingStore& store);
 
-/// All of them, on several threads; the results do not depend on how many. Ends early when the user
+/// All of them, on several threads; the results depend on how many
+/// only in rounding. Ends early when the user
 /// asks for it: what is not done is absent.
 std::vector<std::optional<Realisation>> realise_all(const LoadedScene& scene,
                                                     const std::vector<RealisationTask>& tasks,

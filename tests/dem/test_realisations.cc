@@ -25,9 +25,12 @@ TEST(Realisations, DoNotDependOnTheNumberOfThreads)
 {
   const auto one = realisations(small, 1, 6, 1), three = realisations(small, 1, 6, 3);
   for (std::size_t k = 0; k < one.size(); ++k) {
-    EXPECT_EQ(one[k].kinematic, three[k].kinematic);
-    EXPECT_EQ(one[k].periodic, three[k].periodic);
-    EXPECT_EQ(one[k].traction, three[k].traction);
+    const auto same = [](const Mat6& a, const Mat6& b) { // sums depend on how memory is aligned
+      EXPECT_LT((a - b).norm(), 1e-12 * a.norm());
+    };
+    same(one[k].kinematic, three[k].kinematic);
+    same(one[k].periodic, three[k].periodic);
+    same(one[k].traction, three[k].traction);
   }
   EXPECT_NE(one[0].periodic, one[1].periodic);
 }
