@@ -8,6 +8,7 @@
 #include "apps/quantity.h"
 #include "apps/run_record.h"
 #include "apps/specimen.h"
+#include "apps/text.h"
 #include "coupling/calibration.h"
 #include "dem/linear.h"
 #include "fem/curve_fit.h"
@@ -16,7 +17,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -24,6 +24,8 @@
 namespace apps {
 
 namespace {
+
+constexpr int most_terms = 60;
 
 constexpr int most_branches = 6;
 constexpr double degree = std::numbers::pi / 180;
@@ -34,18 +36,6 @@ struct Calibrated {
   fem::CurveFit fit;
   dem::CreepLaw law;
 };
-
-int branches_of(const std::string& text)
-{
-  if (text == "auto")
-    return 0;
-  int n = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (problem != std::errc() || end != text.data() + text.size() || n < 1 || n > 60)
-    throw std::invalid_argument(
-        fmt::format("--branches: '{}' is neither 'auto' nor a number from 1 to 60", text));
-  return n;
-}
 
 /// Creep compliance at t = 0 [1/Pa] of the specimen, over its platens.
 double specimen_compliance(const LoadedScene& scene, const Packing& packing)
@@ -263,7 +253,7 @@ int calibrate_verb(const std::string& scene_file, const std::filesystem::path& f
   print_diagnostics(scene.diagnostics);
   if (scene.has_errors())
     return exit_input;
-  const int asked = branches_of(calibration.branches);
+  const int asked = count_or_auto("--branches", calibration.branches, most_terms);
   const fem::Measurements data = read_fit_data(file).measurements;
   fem::CurveFitOptions common;
   common.shift = shift_named(calibration.shift);

@@ -25,31 +25,28 @@ namespace {
 dem::PeriodicPackingRequest periodic_request(const Scene& scene, std::size_t n_particles)
 {
   const dem::PackingRequest like = packing_request(scene);
-  dem::PeriodicPackingRequest request =
-      dem::cube_request(like.grading, n_particles, like.solid_fraction);
-  if (!scene.element.edges.empty())
-    request.cell = cell_of(scene.element.edges);
-  request.density = like.density;
-  request.min_contacts = like.min_contacts;
-  request.contact_gap = like.contact_gap;
-  request.residual_stress_bound = like.residual_stress_bound;
-  request.preparation_stiffness = like.preparation_stiffness;
-  return request;
+  const dem::PeriodicCell cell =
+      scene.element.edges.empty()
+          ? dem::cube_request(like.grading, n_particles, like.solid_fraction).container
+          : cell_of(scene.element.edges);
+  return {cell,
+          like.grading,
+          n_particles,
+          like.solid_fraction,
+          like.density,
+          like.min_contacts,
+          like.contact_gap,
+          like.residual_stress_bound,
+          like.preparation_stiffness};
 }
 
 /// What a kept packing was made from.
 std::string recipe(const Scene& scene, const RealisationTask& task)
 {
-  std::string text = packing_recipe(scene);
-  text = fmt::format("periodic, {} particles, seed {}, edges", task.n_particles, task.seed) +
-         [&] {
-           std::string edges;
-           for (const double each : scene.element.edges)
-             edges += fmt::format(" {}", each);
-           return edges;
-         }() +
-         "; " + text.substr(text.find("solid fraction"));
-  return text.substr(0, text.rfind(", seed"));
+  const std::string specimen = packing_recipe(scene);
+  const std::size_t from = specimen.find("solid fraction"), to = specimen.rfind(", seed");
+  return fmt::format("periodic, {} particles, seed {}, edges {}; {}", task.n_particles, task.seed,
+                     fmt::join(scene.element.edges, " "), specimen.substr(from, to - from));
 }
 
 /// Grows the packing, or takes the one that was kept.
@@ -177,7 +174,7 @@ dem::VolumeElement make_element(const LoadedScene& loaded, const RealisationTask
     particles = make_packing(loaded).particles;
   } else {
     const dem::PeriodicPackingRequest request = periodic_request(scene, task.n_particles);
-    cell = request.cell;
+    cell = request.container;
     particles = grown(scene, task, request, store);
   }
   const dem::PeriodicContacts found = contacts(scene.specimen, cell, particles);

@@ -6,34 +6,24 @@
 #include "apps/plot.h"
 #include "apps/quantity.h"
 #include "apps/run.h"
+#include "apps/text.h"
 #include "fem/law_file.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <stdexcept>
 
 namespace apps {
 
 namespace {
 
-int terms_of(const std::string& text)
-{
-  if (text == "auto")
-    return 0;
-  int n = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (problem != std::errc() || end != text.data() + text.size() || n < 1 || n > 60)
-    throw std::invalid_argument(
-        fmt::format("--terms: '{}' is neither 'auto' nor a number from 1 to 60", text));
-  return n;
-}
+constexpr int most_terms = 60;
 
 fem::CurveFitOptions curve_options(const FitOptions& options)
 {
   fem::CurveFitOptions result;
   result.form = form_named(options.form);
-  result.n_terms = terms_of(options.terms);
+  result.n_terms = count_or_auto("--terms", options.terms, most_terms);
   if (result.n_terms > 0 && result.form != fem::FormKind::series)
     throw std::invalid_argument("--terms is an option of the form series");
   if (options.bootstrap > 0 && result.form != fem::FormKind::series)

@@ -1,7 +1,11 @@
 #include "apps/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <stdexcept>
 
 namespace apps {
 
@@ -86,6 +90,18 @@ std::string wrapped(std::string_view text, std::size_t width, const std::string&
   if (!line.empty())
     flush();
   return result;
+}
+
+int count_or_auto(const std::string& option, const std::string& text, int most)
+{
+  if (text == "auto")
+    return 0;
+  int n = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (problem != std::errc() || end != text.data() + text.size() || n < 1 || n > most)
+    throw std::invalid_argument(
+        fmt::format("{}: '{}' is neither 'auto' nor a number from 1 to {}", option, text, most));
+  return n;
 }
 
 } // namespace apps

@@ -26,9 +26,9 @@ VolumeElement element_of(std::size_t n_particles, std::uint64_t seed)
     particles.material_class[i] = int(i % 2);
   const BondLaw soft{burgers(3.2e6, 8.2e8, 5e5, 8.4e6), 11, 1};
   const BondLaw stiff{burgers(3e7, 8e11, 9e7, 4e9), 11, 1};
-  return make_volume_element(wanted.cell, particles,
-                             periodic_nearest_contacts(wanted.cell, particles, 5.5), {soft, stiff},
-                             {{0, 0, 0}, {1, 1, 0}, {0, 1, 1}});
+  return make_volume_element(wanted.container, particles,
+                             periodic_nearest_contacts(wanted.container, particles, 5.5),
+                             {soft, stiff}, {{0, 0, 0}, {1, 1, 0}, {0, 1, 1}});
 }
 
 /// Made once for all benchmarks.

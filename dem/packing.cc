@@ -15,19 +15,12 @@ namespace dem {
 
 namespace {
 
-/// What both kinds of request have in common.
-struct Aims {
-  Container container;
-  const Grading& grading;
-  std::size_t n_particles;
-  double solid_fraction, density;
-  int min_contacts;
-  double contact_gap, residual_stress_bound, preparation_stiffness;
-};
+/// A request for either.
+using Aims = PackingRequestIn<Container>;
 
-Aims aims(const auto& request, const Container& container)
+Aims aims(const auto& request)
 {
-  return {container,
+  return {request.container,
           request.grading,
           request.n_particles,
           request.solid_fraction,
@@ -303,12 +296,12 @@ Particles packed(const Aims& wanted, std::uint64_t seed)
 
 double size_scale(const PackingRequest& request)
 {
-  return size_scale(aims(request, request.container));
+  return size_scale(aims(request));
 }
 
 Particles grow_packing(const PackingRequest& request, std::uint64_t seed)
 {
-  return packed(aims(request, request.container), seed);
+  return packed(aims(request), seed);
 }
 
 PeriodicPackingRequest cube_request(const Grading& grading, std::size_t n_particles,
@@ -321,9 +314,9 @@ PeriodicPackingRequest cube_request(const Grading& grading, std::size_t n_partic
 
 Particles grow_periodic_packing(const PeriodicPackingRequest& request, std::uint64_t seed)
 {
-  Particles particles = packed(aims(request, request.cell), seed);
+  Particles particles = packed(aims(request), seed);
   for (Vec3& centre : particles.centre)
-    centre += request.cell.translation(shift_into_cell(request.cell, centre));
+    centre += request.container.translation(shift_into_cell(request.container, centre));
   return particles;
 }
 

@@ -10,9 +10,10 @@
 
 namespace dem {
 
-/// What a specimen should be.
-struct PackingRequest {
-  Cylinder container;
+/// What a packing should be; the container is a cylinder with walls or a periodic cell.
+template <typename Shape>
+struct PackingRequestIn {
+  Shape container;
   Grading grading;
   std::size_t n_particles;
   double solid_fraction;               ///< [-]
@@ -22,19 +23,8 @@ struct PackingRequest {
   double residual_stress_bound = 30e3; ///< isotropic stress after preparation [Pa]
   double preparation_stiffness = 3e6;  ///< of a contact, for the residual stress [N/m]
 };
-
-/// What a periodic packing should be.
-struct PeriodicPackingRequest {
-  PeriodicCell cell;
-  Grading grading;
-  std::size_t n_particles;
-  double solid_fraction;               ///< [-]
-  double density = 2700;               ///< of the particles [kg/m^3]
-  int min_contacts = 4;                ///< of every particle
-  double contact_gap = 1e-3;           ///< a gap up to this times the smaller radius is a contact
-  double residual_stress_bound = 30e3; ///< isotropic stress after preparation [Pa]
-  double preparation_stiffness = 3e6;  ///< of a contact, for the residual stress [N/m]
-};
+using PackingRequest = PackingRequestIn<Cylinder>;
+using PeriodicPackingRequest = PackingRequestIn<PeriodicCell>;
 
 /// A request for n particles in a cube whose edge makes them fill the solid fraction at the sizes
 /// of the grading.

@@ -25,8 +25,8 @@ inline VolumeElement random_cube(std::size_t n_particles, std::uint64_t seed,
   if (pair_laws.size() > 1)
     for (std::size_t i = 0; i < particles.size(); ++i)
       particles.material_class[i] = int(i % 2);
-  const PeriodicContacts contacts = periodic_nearest_contacts(request.cell, particles, 6);
-  return make_volume_element(request.cell, particles, contacts, std::move(laws),
+  const PeriodicContacts contacts = periodic_nearest_contacts(request.container, particles, 6);
+  return make_volume_element(request.container, particles, contacts, std::move(laws),
                              std::move(pair_laws));
 }
 

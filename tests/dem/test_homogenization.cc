@@ -56,30 +56,30 @@ TEST(PeriodicPacking, ReachesItsAims)
 {
   const Grading grading = make_grading({{2e-3, 0}, {4e-3, 1}});
   PeriodicPackingRequest request = cube_request(grading, 200, 0.62);
-  const double edge = request.cell.edges(0, 0);
-  request.cell.edges.col(1).x() = 0.7 * edge; // leans by more than one half
+  const double edge = request.container.edges(0, 0);
+  request.container.edges.col(1).x() = 0.7 * edge; // leans by more than one half
   const Particles particles = grow_periodic_packing(request, 5);
   double solid = 0;
   for (const double radius : particles.radius)
     solid += sphere_volume(radius);
-  EXPECT_NEAR(solid / request.cell.volume(), 0.62, 0.003);
+  EXPECT_NEAR(solid / request.container.volume(), 0.62, 0.003);
   std::vector<int> n_contacts(particles.size(), 0);
   // gaps count by the smaller radius here, by the own one in the packing: sizes differ by two
   const PeriodicContacts contacts =
-      periodic_contacts_within(request.cell, particles, 2 * request.contact_gap);
+      periodic_contacts_within(request.container, particles, 2 * request.contact_gap);
   for (const auto& ends : contacts.pairs)
     for (const Index end : ends)
       ++n_contacts[end];
   EXPECT_GE(std::ranges::min(n_contacts), request.min_contacts);
-  const Mat3 inverse = request.cell.edges.inverse();
+  const Mat3 inverse = request.container.edges.inverse();
   for (const Vec3& centre : particles.centre) {
     EXPECT_GE((inverse * centre).minCoeff(), -1e-9);
     EXPECT_LT((inverse * centre).maxCoeff(), 1);
   }
-  const SoftSpheres spheres{request.cell, particles.centre, particles.radius};
+  const SoftSpheres spheres{request.container, particles.centre, particles.radius};
   NearSpheres near = make_near_spheres(spheres);
   const double stress = request.preparation_stiffness * compression(spheres, near).virial /
-                        (3 * request.cell.volume());
+                        (3 * request.container.volume());
   EXPECT_LT(stress, request.residual_stress_bound);
   EXPECT_EQ(grow_periodic_packing(request, 5).centre, particles.centre); // the seed decides
   EXPECT_NE(grow_periodic_packing(request, 6).centre, particles.centre);
@@ -97,7 +97,7 @@ TEST(PeriodicPacking, OfOneSize)
 TEST(PeriodicPacking, RefusesACellSmallerThanASphere)
 {
   PeriodicPackingRequest request = cube_request(monodisperse_grading(3e-3), 100, 0.6);
-  request.cell = box_cell(Vec3(2e-3, 1, 1));
+  request.container = box_cell(Vec3(2e-3, 1, 1));
   EXPECT_THROW(grow_periodic_packing(request, 1), std::invalid_argument);
 }
 
