@@ -46,9 +46,9 @@ Vec6 mandel_stress_from_voigt(const Vec6& stress)
   return stress.cwiseProduct(shear_weight());
 }
 
-Vec6 voigt_stress(const Vec6& stress)
+Vec6 tensor_components(const Vec6& mandel)
 {
-  return stress.cwiseQuotient(shear_weight());
+  return mandel.cwiseQuotient(shear_weight());
 }
 
 Vec6 mandel_strain_from_voigt(const Vec6& strain)

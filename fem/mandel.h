@@ -12,11 +12,12 @@ Vec6 mandel_vector(const Mat3& tensor);
 /// The symmetric tensor of a Mandel vector.
 Mat3 tensor(const Vec6& mandel);
 
+/// The six components (11, 22, 33, 23, 13, 12) of a tensor, without the factor of Mandel's shears.
+/// Of a stress that is Voigt's notation.
+Vec6 tensor_components(const Vec6& mandel);
+
 /// Mandel stress from Voigt stress (s11, s22, s33, s23, s13, s12).
 Vec6 mandel_stress_from_voigt(const Vec6& stress);
-
-/// Voigt stress from Mandel stress.
-Vec6 voigt_stress(const Vec6& stress);
 
 /// Mandel strain from Voigt strain with engineering shear (e11, e22, e33, 2 e23, 2 e13, 2 e12).
 Vec6 mandel_strain_from_voigt(const Vec6& strain);

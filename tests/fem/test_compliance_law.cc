@@ -48,12 +48,13 @@ TEST(Mandel, VoigtComplianceAndStiffnessAreInverseToOneAnother)
   const Mat6 compliance = tables::random_matrix(random, 1.0);
   const Vec6 stress = tables::random_matrix(random, 1.0).col(2);
   const Mat6 voigt = voigt_compliance(compliance);
-  EXPECT_NEAR((voigt_strain(compliance * stress) - voigt * voigt_stress(stress)).norm(), 0, 1e-13);
+  EXPECT_NEAR((voigt_strain(compliance * stress) - voigt * tensor_components(stress)).norm(), 0,
+              1e-13);
   EXPECT_NEAR((voigt * voigt_stiffness(compliance.inverse()) - Mat6::Identity()).norm(), 0, 1e-12);
   EXPECT_NEAR((mandel_compliance_from_voigt(voigt) - compliance).norm(), 0, 1e-14);
   EXPECT_NEAR((mandel_stiffness_from_voigt(voigt_stiffness(compliance)) - compliance).norm(), 0,
               1e-14);
-  EXPECT_NEAR((mandel_stress_from_voigt(voigt_stress(stress)) - stress).norm(), 0, 1e-15);
+  EXPECT_NEAR((mandel_stress_from_voigt(tensor_components(stress)) - stress).norm(), 0, 1e-15);
   EXPECT_NEAR((mandel_strain_from_voigt(voigt_strain(stress)) - stress).norm(), 0, 1e-15);
 }
 

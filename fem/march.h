@@ -1,0 +1,43 @@
+#pragma once
+#include "fem/specimen.h"
+
+#include <functional>
+
+namespace fem {
+
+/// The history that a body is under.
+struct History {
+  std::function<LoadState(double time)> load;        ///< at a time; at a jump the value after it
+  std::function<LoadState(double time)> load_before; ///< at a jump the value before it
+  std::function<double(double time)> reduced_time;   ///< int dt / a_T [s]
+};
+
+/// How time steps are chosen.
+struct MarchSettings {
+  double tolerance = 1e-4;   ///< estimated error of a step over the strain or stress [-]
+  double first_step = 1e-3;  ///< after a jump [s]
+  double largest_growth = 3; ///< of a step over the one before
+};
+
+/// How far a run is, and what it took.
+struct MarchState {
+  double time = 0;      ///< [s]
+  double next_step = 0; ///< [s]; 0 after a jump
+  double error_sum = 0; ///< sum of the estimated errors of all steps [-]
+  long n_steps = 0, n_rejected = 0, n_solves = 0, n_iterations = 0, n_assemblies = 0, n_set_ups = 0;
+};
+
+/// Applies the loads at the present time at once: the elastic answer to a jump.
+/// \throws std::runtime_error as Specimen::solve_step
+template <int dim>
+void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
+                const History& history);
+
+/// One accepted step towards a time, and not beyond it; steps whose estimated error is above the
+/// tolerance are tried again at a smaller size.
+/// \throws std::runtime_error naming the time, if no step is small enough or one does not converge
+template <int dim>
+void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
+                const History& history, const MarchSettings& settings, double stop);
+
+} // namespace fem

@@ -1,0 +1,270 @@
+#include "fem/specimen.h"
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace fem {
+
+namespace {
+
+constexpr int most_newton_steps = 25;
+constexpr double same_tangent = 1e-13; ///< relative
+constexpr double worn_multigrid = 3;   ///< ratio of stiffnesses between directions
+
+/// The factor between two lists of tangents that are the same up to it.
+std::optional<double> proportion(std::span<const Mat6> a, std::span<const Mat6> b)
+{
+  if (a.size() != b.size() || a.empty())
+    return std::nullopt;
+  const double factor = a[0].norm() / b[0].norm();
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if ((a[k] - factor * b[k]).norm() > same_tangent * a[k].norm())
+      return std::nullopt;
+  return factor;
+}
+
+/// How much the ratio of the stiffnesses of two lists differs between directions and places.
+double distortion(std::span<const Mat6> a, std::span<const Mat6> b)
+{
+  if (a.size() != b.size())
+    return std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Mat6> solver(a[k], b[k], Eigen::EigenvaluesOnly);
+    least = std::min(least, solver.eigenvalues()[0]);
+    most = std::max(most, solver.eigenvalues()[5]);
+  }
+  return most / least;
+}
+
+} // namespace
+
+template <int dim>
+Specimen<dim>::Specimen(const Mesh<dim>& mesh, const Discretisation& discretisation,
+                        const BodyLoads& loads, double tolerance)
+    : tolerance_(tolerance), elements_(mesh, discretisation),
+      supports_(make_supports(mesh, elements_, loads.supports)),
+      solver_(elements_, supports_.constraints)
+{
+  for (Vector* each : {&constant_load_, &varying_load_, &mode_, &mode_load_, &displacement_,
+                       &increment_, &last_increment_})
+    *each = elements_.zero();
+  for (const SurfaceLoad& load : loads.surface)
+    elements_.add_surface_load(boundary_id(mesh, load.boundary), load.traction, load.pressure,
+                               load.constant ? constant_load_ : varying_load_);
+  if (!loads.weight.isZero(0))
+    elements_.add_body_force(loads.weight, varying_load_);
+  strains_.resize(elements_.n_points());
+}
+
+template <int dim>
+Vector Specimen<dim>::external_force(double load_factor) const
+{
+  Vector force = constant_load_;
+  force.add(load_factor, varying_load_);
+  return force;
+}
+
+template <int dim>
+void Specimen<dim>::condense(Vector& force) const
+{
+  const auto owned = elements_.dofs().locally_owned_dofs();
+  force.zero_out_ghost_values();
+  for (const auto& line : supports_.constraints.get_lines())
+    if (owned.is_element(line.index)) {
+      const double value = force(line.index);
+      force(line.index) = 0;
+      for (const auto& [master, weight] : line.entries)
+        force(master) += weight * value;
+    }
+  force.compress(dealii::VectorOperation::add);
+}
+
+/// Solves with the present tangent; zero where held. \return the solution's energy
+template <int dim>
+double Specimen<dim>::solve(const Vector& right, double residual, Vector& x, StepReport& report)
+{
+  x.zero_out_ghost_values();
+  x *= scale_;
+  report.n_iterations += solver_.solve(right, residual, x);
+  ++report.n_solves;
+  x /= scale_;
+  supports_.constraints.distribute(x);
+  x.update_ghost_values();
+  return x * right;
+}
+
+/// Forces of the assembled tangent under a displacement.
+template <int dim>
+Vector Specimen<dim>::tangent_force(const Vector& displacement) const
+{
+  std::vector<Vec6> strain(elements_.n_points());
+  elements_.strains(displacement, strain);
+  for (std::size_t q = 0; q < strain.size(); ++q) {
+    const std::size_t k = assembled_.size() == 1     ? 0
+                          : assembled_which_.empty() ? q
+                                                     : std::size_t(assembled_which_[q]);
+    strain[q] = (assembled_[k] * strain[q]).eval();
+  }
+  return elements_.internal_force(strain);
+}
+
+/// Matrix, multigrid and drive mode for the tangents of an answer; what still stands is kept.
+template <int dim>
+void Specimen<dim>::prepare(const ConstitutiveAnswer& answer, StepReport& report)
+{
+  const MPI_Comm ranks = elements_.ranks();
+  const std::optional<double> factor = proportion(answer.tangent, assembled_);
+  if (dealii::Utilities::MPI::min(int(factor.has_value()), ranks) == 1) {
+    scale_ = *factor;
+    return;
+  }
+  assembled_.assign(answer.tangent.begin(), answer.tangent.end());
+  assembled_which_.assign(answer.which.begin(), answer.which.end());
+  scale_ = 1;
+  solver_.assemble(elements_, supports_.constraints, assembled_, assembled_which_);
+  report.assembled = true;
+  const double distorted = dealii::Utilities::MPI::max(distortion(assembled_, set_up_for_), ranks);
+  if (!(distorted < worn_multigrid)) {
+    solver_.set_up();
+    set_up_for_ = assembled_;
+    report.set_up = true;
+  }
+  if (supports_.driven)
+    find_drive_mode(report);
+}
+
+template <int dim>
+void Specimen<dim>::find_drive_mode(StepReport& report)
+{
+  mode_load_ = tangent_force(supports_.drive);
+  const double from_drive = supports_.drive * mode_load_;
+  Vector right = mode_load_;
+  condense(right);
+  right *= -1;
+  mode_.zero_out_ghost_values();
+  mode_ -= supports_.drive; // the mode before is the guess
+  supports_.constraints.set_zero(mode_);
+  const double largest = mode_load_.l2_norm();
+  solve(right, 0.1 * tolerance_ * largest, mode_, report);
+  mode_stiffness_ = from_drive - mode_ * right;
+  mode_.zero_out_ghost_values();
+  mode_ += supports_.drive;
+  mode_.update_ghost_values();
+  mode_load_ = right;
+}
+
+/// Adds to a start at zero the best multiples of what the body has done before.
+template <int dim>
+void Specimen<dim>::guess(const Vector& residual, Vector& x) const
+{
+  Vector rest = residual, force = elements_.zero();
+  for (const Vector* each : {&last_increment_, &displacement_}) {
+    Vector direction = *each;
+    direction.zero_out_ghost_values();
+    supports_.constraints.set_zero(direction);
+    solver_.matrix().vmult(force, direction);
+    const double energy = scale_ * (direction * force);
+    if (!(energy > 0))
+      continue;
+    const double share = (direction * rest) / energy;
+    x.add(share, direction);
+    rest.add(-share * scale_, force);
+  }
+}
+
+template <int dim>
+StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
+                                     const ConstitutiveUpdate& update)
+{
+  StepReport report;
+  const Vector external = external_force(load.load_factor);
+  increment_ = 0;
+  drive_increment_ = 0;
+  Vector correction = elements_.zero();
+  for (int newton = 0; newton < most_newton_steps; ++newton) {
+    increment_.update_ghost_values();
+    elements_.strains(increment_, strains_);
+    const ConstitutiveAnswer answer = update(strains_, step);
+    ++report.n_evaluations;
+    prepare(answer, report);
+    if (supports_.driven && !load.drive_by_force && newton == 0) {
+      drive_increment_ = load.drive - drive_displacement_;
+      if (drive_increment_ != 0) { // the way of the boundaries first
+        increment_.zero_out_ghost_values();
+        increment_.add(drive_increment_, mode_);
+        continue;
+      }
+    }
+    Vector residual = external;
+    const Vector internal = elements_.internal_force(answer.stress);
+    residual -= internal;
+    drive_force_ = -(supports_.drive * residual);
+    double drive_residual = 0, in_play = std::max(internal.l2_norm(), external.l2_norm());
+    if (supports_.driven && load.drive_by_force) {
+      drive_residual = load.drive - drive_force_;
+      in_play = std::max(in_play, std::abs(load.drive) / supports_.drive.l2_norm());
+    }
+    condense(residual);
+    const double size = std::hypot(
+        residual.l2_norm(), supports_.driven ? drive_residual / supports_.drive.l2_norm() : 0.);
+    if (!std::isfinite(size))
+      throw std::runtime_error("forces are no numbers any more");
+    report.residual = in_play > 0 ? size / in_play : 0;
+    if (report.residual <= tolerance_)
+      return report;
+    correction = 0;
+    double along = 0;
+    if (residual.l2_norm() > 0.3 * tolerance_ * in_play) {
+      guess(residual, correction);
+      solve(residual, 0.1 * tolerance_ * in_play, correction, report);
+      along = -scale_ * (mode_load_ * correction);
+    }
+    increment_.zero_out_ghost_values();
+    correction.zero_out_ghost_values();
+    increment_ += correction;
+    if (supports_.driven && load.drive_by_force) {
+      const double further = (drive_residual - along) / (scale_ * mode_stiffness_);
+      drive_increment_ += further;
+      increment_.add(further, mode_);
+    }
+  }
+  throw std::runtime_error(fmt::format("no equilibrium in {} Newton steps: residual {:.3g} of the "
+                                       "forces in play, wanted {:.3g}",
+                                       most_newton_steps, report.residual, tolerance_));
+}
+
+template <int dim>
+void Specimen<dim>::commit()
+{
+  displacement_.zero_out_ghost_values();
+  increment_.zero_out_ghost_values();
+  displacement_ += increment_;
+  last_increment_ = increment_;
+  drive_displacement_ += drive_increment_;
+  displacement_.update_ghost_values();
+}
+
+template <int dim>
+double Specimen<dim>::drive_force(std::span<const Vec6> stress, const LoadState& load) const
+{
+  const Vector internal = elements_.internal_force(stress);
+  const Vector external = external_force(load.load_factor);
+  return supports_.drive * internal - supports_.drive * external;
+}
+
+template <int dim>
+void Specimen<dim>::set_displacement(const Vector& displacement, double drive_displacement)
+{
+  displacement_ = displacement;
+  displacement_.update_ghost_values();
+  drive_displacement_ = drive_displacement;
+}
+
+template class Specimen<2>;
+template class Specimen<3>;
+
+} // namespace fem

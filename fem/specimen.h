@@ -1,0 +1,108 @@
+#pragma once
+#include "fem/linear_solver.h"
+#include "fem/material_points.h"
+#include "fem/supports.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fem {
+
+/// A load on a boundary.
+struct SurfaceLoad {
+  std::string boundary;
+  Vec3 traction = Vec3::Zero(); ///< [Pa]
+  double pressure = 0;          ///< against the outward normal [Pa]
+  bool constant = false;        ///< in full from the start, instead of times the load factor
+};
+
+/// What acts on a body, apart from its history.
+struct BodyLoads {
+  std::vector<Support> supports;
+  std::vector<SurfaceLoad> surface;
+  Vec3 weight = Vec3::Zero(); ///< force per volume [N/m^3], times the load factor
+};
+
+/// Loads at a time.
+struct LoadState {
+  bool drive_by_force = true;
+  double drive = 0;       ///< force on the driven boundaries [N], or multiple of their displacement
+  double load_factor = 0; ///< of the loads that are not constant [-]
+};
+
+/// What a step took.
+struct StepReport {
+  int n_evaluations = 0; ///< of all points
+  int n_solves = 0, n_iterations = 0;
+  bool assembled = false, set_up = false;
+  double residual = 0; ///< over the forces in play [-]
+};
+
+/// A body of finite elements and its displacement. It asks one function for stress and tangent and
+/// never sees a state.
+template <int dim>
+class Specimen {
+public:
+  /// \param tolerance  residual force over the forces in play (loads and reactions) [-], > 0
+  /// \throws std::invalid_argument as Elements, make_supports
+  Specimen(const Mesh<dim>& mesh, const Discretisation& discretisation, const BodyLoads& loads,
+           double tolerance);
+
+  const Elements<dim>& elements() const { return elements_; }
+  const Supports<dim>& supports() const { return supports_; }
+  const Vector& displacement() const { return displacement_; } ///< committed [m]
+
+  /// Finds the displacement increment of a step: Newton's method on the residual of total forces;
+  /// one solve where the stress is affine in the strain. Nothing is committed.
+  /// \param step  of reduced time [s]
+  /// \throws std::runtime_error if it does not converge
+  StepReport solve_step(const LoadState& load, double step, const ConstitutiveUpdate& update);
+
+  /// Takes over the increment of the last step.
+  void commit();
+
+  /// Force on the driven boundaries [N] and multiple of their displacement, at the end of the last
+  /// step.
+  double drive_force() const { return drive_force_; }
+  double drive_displacement() const { return drive_displacement_; }
+
+  /// Passes the forces on hanging nodes to those that they hang on; zero where held.
+  void condense(Vector& force) const;
+
+  /// Force of the driven boundaries under a stress at all points [N], the loads on them off.
+  double drive_force(std::span<const Vec6> stress, const LoadState& load) const;
+
+  /// Takes over a displacement from elsewhere.
+  void set_displacement(const Vector& displacement, double drive_displacement);
+
+  /// The elastic answer to a unit of the drive: displacement of all unknowns, for the last tangent.
+  const Vector& drive_mode() const { return mode_; }
+
+private:
+  void prepare(const ConstitutiveAnswer& answer, StepReport& report);
+  void find_drive_mode(StepReport& report);
+  Vector external_force(double load_factor) const;
+  double solve(const Vector& right, double residual, Vector& x, StepReport& report);
+  Vector tangent_force(const Vector& displacement) const;
+  void guess(const Vector& residual, Vector& x) const;
+
+  double tolerance_;
+  Elements<dim> elements_;
+  Supports<dim> supports_;
+  LinearSolver solver_;
+  Vector constant_load_, varying_load_;
+
+  std::vector<Mat6> assembled_; ///< tangents of the matrix
+  std::vector<int> assembled_which_;
+  std::vector<Mat6> set_up_for_; ///< tangents of the multigrid
+  double scale_ = 1;             ///< present tangent over the assembled one
+  Vector mode_, mode_load_;      ///< answer to a unit of the drive; stiffness times the drive
+  double mode_stiffness_ = 0;    ///< force per unit of the drive [N], of the assembled tangent
+
+  Vector displacement_, increment_, last_increment_;
+  std::vector<Vec6> strains_;
+  double drive_force_ = 0, drive_displacement_ = 0, drive_increment_ = 0;
+};
+
+} // namespace fem
