@@ -116,9 +116,25 @@ void write_checkpoint(const RunInProgress& r, const std::filesystem::path& folde
   r.run->save(file);
   write_record(file, "record", r.record);
   file.set_attribute("record", "n_recorded", double(r.n_recorded));
-  std::error_code ignored; // the one before stays until the new one is whole
+  publish_checkpoint(file, path);
+}
+
+void publish_checkpoint(dem::Hdf5File& file, const std::filesystem::path& path)
+{
+  std::error_code ignored; // there may be none before
   std::filesystem::rename(path, previous(path), ignored);
   file.publish();
+}
+
+dem::Hdf5File open_checkpoint(const std::filesystem::path& path)
+{
+  try {
+    return open_stored(path, "checkpoint");
+  } catch (const std::exception&) {
+    if (!std::filesystem::exists(previous(path)))
+      throw;
+  }
+  return open_stored(previous(path), "checkpoint");
 }
 
 void refuse_other_options(const RunOptions& options)

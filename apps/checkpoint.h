@@ -1,5 +1,6 @@
 #pragma once
 #include "apps/run.h"
+#include "dem/hdf5_file.h"
 
 #include <filesystem>
 
@@ -18,6 +19,14 @@ void remove_checkpoints(const std::filesystem::path& folder);
 /// \param wall_time  used so far [s]
 void write_checkpoint(const RunInProgress& run, const std::filesystem::path& folder,
                       double wall_time);
+
+/// Takes a checkpoint that has been written over from its temporary name; the one before it stays
+/// under another name until the new one is whole.
+void publish_checkpoint(dem::Hdf5File& file, const std::filesystem::path& path);
+
+/// The file of a checkpoint, or the one before it if that one is damaged.
+/// \throws std::invalid_argument if both are damaged, or it is none
+dem::Hdf5File open_checkpoint(const std::filesystem::path& path);
 
 /// Refuses options that would change what is computed when a run goes on.
 /// \throws std::invalid_argument naming the option

@@ -52,7 +52,7 @@ void CsvTable::read_header(const std::vector<std::string>& cells)
     if (cell.find(';') != std::string::npos)
       throw std::invalid_argument(
           fmt::format("{}: '{}': columns are separated by commas", file_.string(), cell));
-    const Column column = column_of(cell);
+    const Column column = column_of(cell, units_);
     if (find(column.name))
       throw std::invalid_argument(
           fmt::format("{}: there are two columns '{}'", file_.string(), column.name));
@@ -60,21 +60,28 @@ void CsvTable::read_header(const std::vector<std::string>& cells)
   }
 }
 
-/// "x_mm" and "x [mm]" are the column x in mm.
-CsvTable::Column CsvTable::column_of(const std::string& cell)
+/// "x_mm" and "x [mm]" are the column x in mm. What follows an underscore is a unit if it can be read
+/// as one: "axial_stress_kPa" is an axial_stress.
+CsvTable::Column CsvTable::column_of(const std::string& cell, const Units& units)
 {
   std::size_t cut = cell.find('[');
   if (cut != std::string::npos)
     return {trimmed(cell.substr(0, cut)), trimmed(cell.substr(cut + 1, cell.find(']') - cut - 1))};
-  cut = cell.find('_');
+  const auto unit_after = [&](std::size_t underscore) {
+    std::string unit = cell.substr(underscore + 1);
+    std::ranges::replace(unit, '_', ' ');
+    return unit;
+  };
+  for (cut = cell.find('_'); cut != std::string::npos; cut = cell.find('_', cut + 1))
+    if (units.knows(unit_after(cut)))
+      return {cell.substr(0, cut), unit_after(cut)};
+  cut = cell.find('_'); // the unit of an unknown column is told when it is asked for
   for (const std::string name : compound_names)
     if (cell.starts_with(name))
       cut = cell.size() > name.size() ? name.size() : std::string::npos;
   if (cut == std::string::npos)
     return {cell, ""};
-  std::string unit = cell.substr(cut + 1);
-  std::ranges::replace(unit, '_', ' ');
-  return {cell.substr(0, cut), unit};
+  return {cell.substr(0, cut), unit_after(cut)};
 }
 
 std::optional<std::size_t> CsvTable::find(const std::string& name) const

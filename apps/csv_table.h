@@ -46,7 +46,7 @@ private:
   };
 
   void read_header(const std::vector<std::string>& cells);
-  static Column column_of(const std::string& cell);
+  static Column column_of(const std::string& cell, const Units& units);
   const Column& column(const std::string& name, const std::string& si_unit) const;
 
   std::filesystem::path file_;

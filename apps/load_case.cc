@@ -31,7 +31,8 @@ std::vector<double> spaced_times(const Scene& scene, const dem::Loading& loading
   const Scene::Output& v = scene.output;
   const double start = loading.points.front().time, end = dem::end_time(loading);
   const bool creeps =
-      scene.load.test == TestKind::creep || scene.load.test == TestKind::particle_loads;
+      scene.load.test == TestKind::creep || scene.load.test == TestKind::particle_loads ||
+      (scene.load.test == TestKind::boundary_loads && scene.load.factor_history.empty());
   const bool logarithmic =
       v.spacing == TimeSpacing::logarithmic || (v.spacing == TimeSpacing::automatic && creeps);
   std::vector<double> times{start};
@@ -43,7 +44,7 @@ std::vector<double> spaced_times(const Scene& scene, const dem::Loading& loading
                           ? begin + first * std::pow(length / first, double(k) / n)
                           : begin + length * double(k + 1) / double(v.n_times));
   };
-  if (scene.load.test == TestKind::creep && scene.load.release_time) { // recovery anew
+  if (creeps && scene.load.release_time) { // recovery anew
     series(start, *scene.load.release_time - start);
     series(*scene.load.release_time, end - *scene.load.release_time);
   } else
@@ -59,11 +60,11 @@ std::vector<double> spaced_times(const Scene& scene, const dem::Loading& loading
 
 } // namespace
 
-dem::Loading make_loading(const Scene& scene, const dem::Assembly& assembly)
+dem::Loading make_loading(const Scene& scene, double area, double length)
 {
   using Control = dem::Loading::Control;
   const Scene::Load& v = scene.load;
-  const double force = -assembly.area, displacement = -assembly.gauge_length;
+  const double force = -area, displacement = -length;
   dem::Loading loading;
   if (v.test == TestKind::creep && v.release_time)
     loading = dem::step_and_release(force * v.stress, *v.release_time, v.end_time);
@@ -76,8 +77,12 @@ dem::Loading make_loading(const Scene& scene, const dem::Assembly& assembly)
     loading = from_history(v.stress_history, Control::force, force);
   else if (v.test == TestKind::strain_history)
     loading = from_history(v.strain_history, Control::displacement, displacement);
-  else if (const auto cyclic = cyclic_load(scene, assembly.area))
+  else if (const auto cyclic = cyclic_load(scene, area))
     loading = dem::cyclic_loading(*cyclic);
+  else if (!v.factor_history.empty())
+    loading = from_history(v.factor_history, Control::force, 1);
+  else if (v.test == TestKind::boundary_loads && v.release_time)
+    loading = dem::step_and_release(1, *v.release_time, v.end_time);
   else
     loading = dem::step_load(Control::force, 1, v.end_time);
   loading.true_stress = v.true_stress;

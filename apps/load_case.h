@@ -8,7 +8,9 @@ namespace apps {
 
 /// The load history of a scene for the solvers: tension positive, force or displacement of the
 /// upper platen, or factor of the particle loads.
-dem::Loading make_loading(const Scene& scene, const dem::Assembly& assembly);
+/// \param area    on which the stress acts [m^2]
+/// \param length  that the strain refers to [m]
+dem::Loading make_loading(const Scene& scene, double area, double length);
 
 /// Times at which the history is recorded, from the start to the end of the loading.
 std::vector<double> history_times(const Scene& scene, const dem::Loading& loading);

@@ -39,20 +39,24 @@ void declare_loading(Schema& s, Scene::Load& v)
        {"haversine", TestKind::haversine},
        {"block pulses", TestKind::block_pulses},
        {"sine", TestKind::sine},
-       {"particle loads", TestKind::particle_loads}},
+       {"particle loads", TestKind::particle_loads},
+       {"boundary loads", TestKind::boundary_loads}},
       "creep",
       "creep: Axial stress from time 0. constant rate: Strain rate. Histories: "
       "piecewise linear. haversine, block pulses: pulses of Peak stress, each with a "
       "rest. sine: Stress amplitude about Mean stress. particle loads: those of the "
-      "particle file, from time 0.");
+      "particle file, from time 0. boundary loads: those of the sections Boundary NAME of a "
+      "continuum and its weight, from time 0 or by Load factor history.");
   s.quantity("Axial stress", v.stress, "kPa", "400 kPa", any(), "For creep.");
   s.flag("True stress", v.true_stress, "false",
          "Tests at prescribed stress: stress on the present area (of a specimen that keeps its "
          "volume) instead of the initial one.");
-  s.optional_quantity("Release time", v.release_time, "never", "s", "never", above(0),
-                      "For creep: the stress goes to 0 and the specimen recovers.");
+  s.optional_quantity(
+      "Release time", v.release_time, "never", "s", "never", above(0),
+      "For creep and boundary loads: the load goes to 0 and the specimen recovers.");
   s.quantity("Strain rate", v.strain_rate, "1/s", "0.005 1/s", any(), "For constant rate.");
-  s.quantity("End time", v.end_time, "s", "2000 s", at_least(0), "Of creep and particle loads.");
+  s.quantity("End time", v.end_time, "s", "2000 s", at_least(0),
+             "Of creep, particle loads and boundary loads.");
   s.optional_quantity("End strain", v.end_strain, "none", "%", "5 %", above(0),
                       "Of constant rate.");
   s.quantity("Strain limit", v.strain_limit, "%", "10 %", above(0),
@@ -61,9 +65,12 @@ void declare_loading(Schema& s, Scene::Load& v)
           "'time: stress' in order; the same time twice makes a jump.");
   s.pairs("Strain history", v.strain_history, "s", "%", "",
           "'time: strain' in order; the same time twice makes a jump.");
+  s.pairs("Load factor history", v.factor_history, "s", "1", "",
+          "For boundary loads: 'time: factor' in order; the same time twice makes a jump.");
   s.quantity("Confining stress", v.confining_stress, "kPa", "0 kPa", at_least(0),
              "Constant pressure on the lateral surface, in full from the start, as dead forces on "
-             "the spheres there (solver quasistatic). The axial stress stays the total one at the "
+             "the spheres there (solver quasistatic), or on the side of a continuum. The axial "
+             "stress stays the total one at the "
              "platens: the deviator is their difference.");
   declare_cycles(s, v);
 }

@@ -6,6 +6,8 @@
 #include "apps/hard_cases.h"
 #include "apps/interrupt.h"
 #include "apps/plot.h"
+#include "apps/point.h"
+#include "apps/ranks.h"
 #include "apps/run.h"
 #include "apps/solver_study.h"
 #include "apps/study.h"
@@ -38,6 +40,7 @@ struct Arguments {
   std::string data;
   FitOptions fit;
   CardOptions card;
+  PointOptions point;
   bool hard = false;
 };
 
@@ -205,7 +208,7 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   CLI::App* fresh = app.add_subcommand(
       "new", "Print a commented scene with every key, its unit, range and default");
   fresh->add_option("kind", a.kind,
-                    "creep, constant-rate, history, cycles, network, dynamic or study");
+                    "creep, constant-rate, history, cycles, network, dynamic, continuum or study");
   fresh->callback([&] { action = [&] { return new_verb(a.kind); }; });
 
   CLI::App* plot =
@@ -218,8 +221,9 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
       app.add_subcommand("export", "Print a table of a result as CSV, full precision");
   table->add_option("result", a.result, "Result folder or result.h5")->required();
   table
-      ->add_option("table", a.table,
-                   "history, breakages, cycles, particles, bonds or complex_modulus")
+      ->add_option(
+          "table", a.table,
+          "history, breakages, cycles, energy, particles, bonds, complex_modulus or probes")
       ->required();
   table->add_option("--time", a.time, "Time of the snapshot, such as '100 s' (default: the last)");
   table->callback([&] { action = [&] { return export_verb(a.result, a.table, a.time); }; });
@@ -243,6 +247,25 @@ void add_card(CLI::App& app, Arguments& a, std::function<int()>& action)
   verb->add_option("--units", card.units, "si (default) or mm: mm, t, s, MPa");
   verb->add_option("--time", card.time, "pfc: until when the law is used (default: 1e5 s)");
   verb->callback([&] { action = [&] { return card_verb(a.card); }; });
+}
+
+void add_point(CLI::App& app, Arguments& a, std::function<int()>& action)
+{
+  CLI::App* verb = app.add_subcommand(
+      "point", "Drive a creep law at one material point by a history of strains and stresses");
+  PointOptions& v = a.point;
+  verb->add_option("law", v.law, "Law file")->required();
+  verb->add_option("history", v.history,
+                   "CSV with time [s] and, of each component xx, yy, zz, yz, xz, xy, strain_xx [%] "
+                   "or stress_xx [kPa], tension positive; those left out are free of stress. "
+                   "Linear between rows; two rows at one time make a jump")
+      ->required();
+  verb->add_option("--temperature", v.temperature,
+                   "Such as '20 degC' (default: the law's reference temperature)");
+  verb->add_option("--tolerance", v.tolerance, "Estimated error of a time step (default: 1e-6)")
+      ->check(CLI::Range(1e-14, 0.1));
+  verb->add_option("-o,--output", v.output, "File (default: standard output)");
+  verb->callback([&] { action = [&] { return point_verb(a.point); }; });
 }
 
 /// What is wrong if the first word is no verb: CLI11 would say that one is missing.
@@ -270,6 +293,7 @@ std::string unknown_verb(const CLI::App& app, const std::string& word)
   std::fflush(stdout);
   fmt::print(stderr, "error: {}\n", error.what());
   std::fflush(stderr);
+  end_ranks(exit_code, error.what());
   std::_Exit(exit_code);
 }
 
@@ -304,6 +328,7 @@ int main(int argc, char** argv)
   add_fit(app, arguments, action);
   add_others(app, arguments, action);
   add_card(app, arguments, action);
+  add_point(app, arguments, action);
   if (const std::string problem = unknown_verb(app, argc > 1 ? argv[1] : ""); !problem.empty()) {
     fmt::print(stderr, "error: {}\n", problem);
     return exit_input;
@@ -322,7 +347,11 @@ int main(int argc, char** argv)
   }
   catch_interrupts(!arguments.run.for_parent);
   try {
-    return finished(action());
+    if (started_by_mpirun())
+      Ranks(); // from here on only the first one speaks
+    const int code = finished(action());
+    end_ranks(code, "");
+    return code;
   } catch (const std::invalid_argument& error) {
     fail(error, exit_input);
   } catch (const std::exception& error) {

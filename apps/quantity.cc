@@ -74,6 +74,13 @@ void Units::Free::operator()(ut_system* system) const
   ut_free_system(system);
 }
 
+bool Units::knows(const std::string& unit) const
+{
+  ut_unit* const read = ut_parse(system_.get(), unit.c_str(), UT_ASCII);
+  ut_free(read);
+  return read != nullptr;
+}
+
 double Units::convert(double value, const std::string& from, const std::string& to) const
 {
   const Unit source(system_.get(), from), target(system_.get(), to);

@@ -14,6 +14,9 @@ public:
   ~Units();
   Units(const Units&) = delete;
 
+  /// Whether a text is a unit.
+  bool knows(const std::string& unit) const;
+
   /// A number in one unit, in another. Temperatures convert with their offset; a reciprocal (s for
   /// Hz) is another dimension.
   /// \throws std::invalid_argument if a unit is unknown or the dimensions differ

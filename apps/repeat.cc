@@ -155,7 +155,8 @@ public:
   {
     const dem::Assembly& assembly = run_.specimen.assembly;
     if (repeat_.compare != Comparison::breakages)
-      compare("history", history_columns(assembly, run_.record), stored_columns(file_, "history"));
+      compare("history", history_columns(face_of(assembly), run_.record.history),
+              stored_columns(file_, "history"));
     const std::vector<Column> broken = breakage_columns(assembly, run_.run->breakages());
     const std::vector<Column> other = stored_columns(file_, "breakages");
     if (repeat_.compare == Comparison::everything)

@@ -1,56 +1,31 @@
 #include "apps/cycles.h"
 #include "apps/files.h"
-#include "apps/machine.h"
 #include "apps/paraview.h"
+#include "apps/provenance.h"
 #include "apps/run.h"
 #include "dem/linear.h"
 #include "dem/storage.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
-
-#include <chrono>
-#include <complex>
-#include <numbers>
 
 namespace apps {
 
 namespace {
 
 /// |E*| and phase angle over frequency, from the elastic solution of the run.
-std::vector<Column> modulus_columns(const RunInProgress& r)
+std::vector<Column> network_modulus_columns(const RunInProgress& r)
 {
   const dem::Assembly& assembly = r.specimen.assembly;
   const dem::CreepLaw law = dem::proportional_laws(assembly.laws).value().creep;
   const dem::CreepLaw creep = dem::network_creep(law).law;
   const double elastic = r.record.history.back().compliance * assembly.area / assembly.gauge_length;
-  std::vector<Column> columns{{"frequency_Hz", "Hz", {}},
-                              {"complex_modulus_MPa", "MPa", {}},
-                              {"phase_angle_degrees", "degree", {}},
-                              {"storage_modulus_MPa", "MPa", {}},
-                              {"loss_modulus_MPa", "MPa", {}}};
-  for (const double f : r.scene.scene->output.frequencies) {
-    const std::complex<double> e = dem::complex_modulus(creep, elastic, 2 * std::numbers::pi * f);
-    const double row[] = {f, std::abs(e) / 1e6, std::arg(e) * 180 / std::numbers::pi,
-                          e.real() / 1e6, e.imag() / 1e6};
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      columns[k].values.push_back(row[k]);
-  }
-  return columns;
+  return modulus_columns(r.scene.scene->output.frequencies,
+                         [&](double omega) { return dem::complex_modulus(creep, elastic, omega); });
 }
 
 void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_time)
 {
-  file.set_attribute("", "kind", std::string("result"));
-  file.set_attribute("", "program", std::string("mastic " MASTIC_VERSION));
-  file.set_attribute("", "revision", std::string(MASTIC_REVISION));
-  file.set_attribute("", "compiler", std::string(MASTIC_COMPILER));
-  file.set_attribute("", "storage_version", dem::storage_version);
-  file.set_attribute(
-      "", "written_utc",
-      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())));
-  file.set_attribute("", "name", r.scene.name);
-  file.set_attribute("", "title", r.scene.scene->title);
+  write_origin(file, r.scene, "result");
   file.set_attribute("", "solver", name_of(r.decision.solver));
   file.set_attribute("", "solver_reason", r.decision.reason);
   file.set_attribute("", "solver_statistics", r.run->statistics());
@@ -61,7 +36,6 @@ void write_provenance(dem::Hdf5File& file, const RunInProgress& r, double wall_t
                      std::string(r.loading.control == dem::Loading::Control::displacement
                                      ? "displacement"
                                      : "force"));
-  file.set_attribute("", "machine", machine_name());
   file.set_attribute("", "bonds", double(r.specimen.assembly.bonds.size()));
   for (const auto& [what, count] : r.run->counts())
     file.set_attribute("", what, count);
@@ -101,7 +75,7 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
 {
   make_folder(folder);
   const dem::Assembly& assembly = r.specimen.assembly;
-  const std::vector<Column> history = history_columns(assembly, r.record);
+  const std::vector<Column> history = history_columns(face_of(assembly), r.record.history);
   const std::vector<Column> breakages = breakage_columns(assembly, r.run->breakages());
   dem::Hdf5File file = dem::Hdf5File::create(folder / "result.h5");
   write_provenance(file, r, wall_time);
@@ -114,7 +88,7 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
   for (std::size_t k = 0; k < r.record.snapshots.size(); ++k)
     write_snapshot(file, fmt::format("snapshots/{:04}", k), r.record.snapshots[k]);
   if (r.decision.solver == SolverChoice::linear && dem::loaded_by_platen(assembly)) {
-    const std::vector<Column> modulus = modulus_columns(r);
+    const std::vector<Column> modulus = network_modulus_columns(r);
     write_columns(file, "complex_modulus", modulus);
     write_text_file(folder / "complex_modulus.csv", csv(modulus));
   }

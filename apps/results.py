@@ -58,7 +58,10 @@ class Result:
         self.history, self.breakages, self.modulus, self.cycles, self.energy = (
             {name: column[()] for name, column in file.get(table, {}).items()}
             for table in ("history", "breakages", "complex_modulus", "cycles", "energy"))
-        self.n_particles, self.n_bonds = len(file["packing/radius"]), len(file["bonds/id"])
+        self.of_particles = "packing" in file
+        self.n_particles, self.n_bonds = ((len(file["packing/radius"]), len(file["bonds/id"]))
+                                          if self.of_particles else (0, 0))
+        self.breakages.setdefault("time_s", np.empty(0))
         self.time, self.end = self.history["time_s"], self.history["time_s"][-1]
         times = self.breakages["time_s"]
         times[times < 1e-12 * self.end] = 0  # by the first infinitesimal load
@@ -66,7 +69,7 @@ class Result:
                                     for name in ("strain_percent", "stress_kPa"))
         self.test = self.scene["Loading/Test"]
         self.follows_stress = self.test in ("stress history", *CYCLIC)
-        self.creeps = self.test in ("creep", "particle loads")
+        self.creeps = self.test in ("creep", "particle loads", "boundary loads")
         self.kind = DISPLACEMENT if self.strain is None else STRAIN
         self.first_time = self.time[self.time > 0].min(initial=np.inf)
 
@@ -82,7 +85,8 @@ class Result:
         """First and last time at which a creep test is under its load."""
         size = np.abs(self.history["load_factor"] if self.stress is None else self.stress)
         held = np.flatnonzero(size >= 0.95 * np.median(size[size >= 0.5 * size.max()]))
-        released = self.scene["Loading/Release time"] != "never" and self.test == "creep"
+        released = (self.scene["Loading/Release time"] != "never"
+                    and self.test in ("creep", "boundary loads"))
         return self.time[held[0]], self.time[held[-1]] if released else self.end
 
     def legend(self, text=""):
@@ -114,8 +118,17 @@ def joined(texts, most=4):
     return "; ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
 
 
+def bodies(r):
+    """What was simulated, in numbers."""
+    if r.of_particles:
+        return f"{r.n_particles} particles, {r.n_bonds} bonds"
+    return f"{r.about['cells']:g} cells, {r.about['unknowns']:g} unknowns"
+
+
 def seeds(r):
     """Where particles and strengths come from."""
+    if not r.of_particles:
+        return f"law {Path(r.scene['Body/Law']).name}"
     parts = [f"packing seed {r.about['packing_seed']:g}" if r.scene["Specimen/Source"] == "generate"
              else f"particles from {r.scene['Specimen/File']}"]
     if r.scene["Strength/Distribution"] != "none":
@@ -133,7 +146,7 @@ def provenance(results):
         lambda r: (r.scene.get("Temperature/Temperature history") or r.scene[
             "Temperature/Temperature"]).replace("degC", "\u00b0C"),
         lambda r: f"solver {r.about['solver']}",
-        lambda r: f"{r.n_particles} particles, {r.n_bonds} bonds", seeds,
+        bodies, seeds,
         lambda r: f"{r.about['program']} ({r.about['revision']})")]
     lines = [f"Result{'s' * (len(results) > 1)}: " + "  |  ".join(filter(None, facts))]
     if results[0].left_out:

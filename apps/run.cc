@@ -2,11 +2,13 @@
 
 #include "apps/audit.h"
 #include "apps/checkpoint.h"
+#include "apps/continuum_run.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/load_case.h"
 #include "apps/plot.h"
 #include "apps/progress.h"
+#include "apps/ranks.h"
 #include "apps/repeat.h"
 
 #include <fmt/format.h>
@@ -180,6 +182,11 @@ void tell_estimates(RunInProgress& r)
 /// Runs a scene without errors.
 int run_accepted(LoadedScene scene, const RunOptions& options)
 {
+  if (scene.scene->solver == SolverChoice::continuum)
+    return run_continuum(std::move(scene), options);
+  if (started_by_mpirun())
+    throw std::invalid_argument("mpirun is for Solver = continuum; the solvers of particles run in "
+                                "one process, with --threads");
   const std::filesystem::path folder = result_folder(scene);
   require_writable(folder);
   const bool generated = scene.scene->specimen.source == SpecimenSource::generate;
@@ -259,7 +266,7 @@ void start_run(RunInProgress& r, const RunOptions& options)
   const Scene& scene = *r.scene.scene;
   r.files_fingerprint = files_fingerprint(r.scene);
   r.specimen = make_specimen(r.scene, r.packing);
-  r.loading = make_loading(scene, r.specimen.assembly);
+  r.loading = make_loading(scene, r.specimen.assembly.area, r.specimen.assembly.gauge_length);
   if (r.decision.reason.empty())
     r.decision = choose_solver(scene, r.specimen.assembly, r.loading);
   if (has_temperature_history(scene) && r.decision.solver != SolverChoice::quasistatic)
@@ -301,6 +308,8 @@ int run_scene(LoadedScene scene, const RunOptions& options)
 
 int resume_run(const std::filesystem::path& file, const RunOptions& options)
 {
+  if (is_continuum_checkpoint(file))
+    return resume_continuum(file, options);
   Resumed resumed = read_checkpoint(file, options);
   return finish(resumed.run, resumed.folder, options);
 }

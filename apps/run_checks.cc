@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -42,11 +43,22 @@ std::size_t nearest_in_time(const Items& items, double time)
   return std::size_t(std::ranges::min_element(items, {}, distance) - items.begin());
 }
 
+/// The number that is expected of a history, or not-a-number if the run did not come so far.
+double history_value(const std::vector<Column>& history, const ExpectedValue& v)
+{
+  const std::vector<double>& times = column_of(history, "time_s").values;
+  if (v.time > times.back() * (1 + 1e-9))
+    return std::nan("");
+  const auto distance = [&](double time) { return std::abs(time - v.time); };
+  const auto nearest_time = std::ranges::min_element(times, {}, distance);
+  return column_of(history, v.column).values[std::size_t(nearest_time - times.begin())];
+}
+
 /// The tables of a run, made once.
 class Tables {
 public:
   explicit Tables(const RunInProgress& run)
-      : run_(run), history_(history_columns(run.specimen.assembly, run.record)),
+      : run_(run), history_(history_columns(face_of(run.specimen.assembly), run.record.history)),
         breakages_(breakage_columns(run.specimen.assembly, run.run->breakages()))
   {
   }
@@ -57,10 +69,10 @@ public:
   double find(const ExpectedValue& v)
   {
     using Table = ExpectedValue::Table;
+    if (v.table == Table::history)
+      return history_value(history_, v);
     if (v.table != Table::breakages && v.time > run_.record.history.back().time * (1 + 1e-9))
       return std::nan("");
-    if (v.table == Table::history)
-      return column_of(history_, v.column).values[nearest_in_time(run_.record.history, v.time)];
     const std::vector<double>& values =
         column_of(v.table == Table::breakages ? breakages_ : fields(v), v.column).values;
     return v.row < values.size() ? values[v.row] : std::nan("");
@@ -100,13 +112,15 @@ double base_of(double expected, double largest, ErrorBase base)
   return base == ErrorBase::value && expected != 0 ? std::abs(expected) : largest;
 }
 
-void check_values(const Expectations& expect, Tables& tables, std::vector<Check>& checks)
+void check_values(const Expectations& expect,
+                  const std::function<double(const ExpectedValue&)>& find,
+                  std::vector<Check>& checks)
 {
   std::map<std::string, double> largest; // by column
   for (const ExpectedValue& v : expect.values)
     largest[v.column] = std::max(largest[v.column], std::abs(v.value));
   for (const ExpectedValue& v : expect.values)
-    checks.push_back(number_check(v.name, v.value, tables.find(v),
+    checks.push_back(number_check(v.name, v.value, find(v),
                                   base_of(v.value, largest[v.column], expect.base),
                                   expect.tolerance));
 }
@@ -127,11 +141,11 @@ std::vector<double> evaluated(const std::string& formula, const std::vector<doub
 }
 
 /// One check per curve: that of its worst time.
-void check_curve(const ExpectedCurve& curve, const Expectations& expect, const Tables& tables,
-                 std::vector<Check>& checks)
+void check_curve(const ExpectedCurve& curve, const Expectations& expect,
+                 const std::vector<Column>& history, std::vector<Check>& checks)
 {
-  const std::vector<double>& times = column_of(tables.history(), "time_s").values;
-  const std::vector<double>& found = column_of(tables.history(), curve.column).values;
+  const std::vector<double>& times = column_of(history, "time_s").values;
+  const std::vector<double>& found = column_of(history, curve.column).values;
   const std::vector<double> expected = evaluated(curve.formula, times);
   double largest = 0;
   for (const double value : expected)
@@ -225,9 +239,10 @@ std::vector<Check> check_run(const RunInProgress& run)
   if (expect.end != ExpectedEnd::any)
     checks.push_back(exact_check("end", name_of(expect.end), name_of(end_of(run.run->end()))));
   Tables tables(run);
-  check_values(expect, tables, checks);
+  check_values(
+      expect, [&](const ExpectedValue& v) { return tables.find(v); }, checks);
   for (const ExpectedCurve& curve : expect.curves)
-    check_curve(curve, expect, tables, checks);
+    check_curve(curve, expect, tables.history(), checks);
   check_breakages(expect, run.run->breakages(), checks);
   std::string said;
   for (const Diagnostic& each : run.scene.diagnostics)
@@ -235,6 +250,25 @@ std::vector<Check> check_run(const RunInProgress& run)
   for (const std::string& line : run.log)
     said += line + '\n';
   check_messages(expect, said, checks);
+  return checks;
+}
+
+std::vector<Check> check_history(const Expectations& expect, const std::vector<Column>& history)
+{
+  std::vector<Check> checks;
+  if (expect.end != ExpectedEnd::any)
+    checks.push_back(exact_check("end", name_of(expect.end), name_of(ExpectedEnd::finished)));
+  check_values(
+      expect,
+      [&](const ExpectedValue& v) {
+        if (v.table != ExpectedValue::Table::history)
+          throw std::invalid_argument(
+              fmt::format("Expect: '{}': a continuum has a history only", v.name));
+        return history_value(history, v);
+      },
+      checks);
+  for (const ExpectedCurve& curve : expect.curves)
+    check_curve(curve, expect, history, checks);
   return checks;
 }
 

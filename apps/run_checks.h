@@ -21,6 +21,10 @@ Check exact_check(const std::string& what, const std::string& expected, const st
 /// What the section Expect says against a run that has come to its end.
 std::vector<Check> check_run(const RunInProgress& run);
 
+/// The same for a run that has nothing but a history, and came to the end of its loading.
+std::vector<Check> check_history(const Expectations& expectations,
+                                 const std::vector<Column>& history);
+
 /// The same for an input that was refused, or a computation that failed.
 std::vector<Check> check_failure(const Expectations& expectations, ExpectedEnd end,
                                  const std::string& message);

@@ -70,15 +70,18 @@ Snapshot network_snapshot(const dem::ElasticNetwork& network, double time,
   return snapshot;
 }
 
-std::vector<Column> history_columns(const dem::Assembly& assembly, const RunRecord& record)
+Face face_of(const dem::Assembly& assembly)
+{
+  return {dem::loaded_by_platen(assembly), assembly.area, assembly.gauge_length};
+}
+
+std::vector<Column> history_columns(const Face& face, std::span<const dem::Response> rows)
 {
   using dem::Response;
-  const bool platen = dem::loaded_by_platen(assembly);
-  const auto& rows = record.history;
   std::vector<Column> columns;
   columns.push_back(column("time_s", "s", rows, [](const Response& r) { return r.time; }));
-  if (platen) {
-    const double area = assembly.area, length = assembly.gauge_length;
+  if (face.platen) {
+    const double area = face.area, length = face.length;
     columns.push_back(column("axial_stress_kPa", "kPa", rows,
                              [&](const Response& r) { return -r.force / area / 1e3; }));
     columns.push_back(column("axial_strain_percent", "%", rows,
@@ -96,9 +99,8 @@ std::vector<Column> history_columns(const dem::Assembly& assembly, const RunReco
     }));
   } else {
     columns.push_back(column("load_factor", "1", rows, [](const Response& r) { return r.force; }));
-    columns.push_back(column("mean_displacement_mm", "mm", rows, [&](const Response& r) {
-      return 1e3 * r.strain * assembly.gauge_length;
-    }));
+    columns.push_back(column("mean_displacement_mm", "mm", rows,
+                             [&](const Response& r) { return 1e3 * r.strain * face.length; }));
   }
   columns.push_back(column("strength_factor", "1", rows, [](const Response& r) {
     return std::isfinite(r.strength_factor) ? r.strength_factor : nan;

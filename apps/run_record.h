@@ -39,8 +39,16 @@ struct Column {
   std::vector<double> values;
 };
 
+/// Through what a specimen is loaded, and what its stress and strain refer to.
+struct Face {
+  bool platen;   ///< or loads inside, with a factor
+  double area;   ///< [m^2]
+  double length; ///< [m]
+};
+Face face_of(const dem::Assembly& assembly);
+
 /// The history as users read it.
-std::vector<Column> history_columns(const dem::Assembly& assembly, const RunRecord& record);
+std::vector<Column> history_columns(const Face& face, std::span<const dem::Response> rows);
 
 /// Broken bonds as users read them.
 std::vector<Column> breakage_columns(const dem::Assembly& assembly,

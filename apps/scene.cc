@@ -12,6 +12,8 @@ namespace apps {
 namespace {
 
 constexpr const char* law_prefix = "Bond law ";
+constexpr const char* boundary_prefix = "Boundary ";
+constexpr const char* region_prefix = "Region ";
 
 std::string grading_list()
 {
@@ -31,14 +33,16 @@ void declare_top(Schema& s, Scene& scene)
        {"linear", SolverChoice::linear},
        {"events", SolverChoice::events},
        {"quasistatic", SolverChoice::quasistatic},
-       {"dynamic", SolverChoice::dynamic}},
+       {"dynamic", SolverChoice::dynamic},
+       {"continuum", SolverChoice::continuum}},
       "auto",
       "linear: intact, small displacements, exact. events: exact from one bond "
       "breakage to the next, "
       "small displacements. quasistatic: implicit steps, finite motion, friction, "
       "any laws, no inertia. dynamic: explicit with inertia, friction, finite "
-      "motion. auto takes the "
-      "cheapest whose assumptions hold and says which and why.");
+      "motion. continuum: no particles, finite elements with the creep law of a file (sections "
+      "Body, Boundary NAME, Region NAME, Continuum, Probes). auto takes the "
+      "cheapest of the others whose assumptions hold and says which and why.");
   s.quantity("Small strain", scene.small_strain, "%", "1 %", above(0),
              "auto goes on with the quasi-static solver when the specimen has strained so much and "
              "bonds break: up to there displacements are taken as small.");
@@ -283,39 +287,39 @@ void declare_study(Schema& s, Scene::Study& v)
   s.words("Values", v.values, "", "Its values, separated by commas.");
 }
 
-std::vector<std::string> law_names(const std::vector<SceneEntry>& entries)
+/// NAME of all sections "PREFIX NAME".
+std::vector<std::string> names_after(const char* prefix, const std::vector<SceneEntry>& entries)
 {
   std::vector<std::string> names;
   for (const SceneEntry& entry : entries)
-    if (entry.sections.size() == 1 && entry.sections[0].starts_with(law_prefix)) {
-      const std::string name = trimmed(entry.sections[0].substr(std::string(law_prefix).size()));
+    if (entry.sections.size() == 1 && entry.sections[0].starts_with(prefix)) {
+      const std::string name = trimmed(entry.sections[0].substr(std::string(prefix).size()));
       if (std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
     }
   return names;
 }
 
-/// Takes out the entries of sections 'Bond law' that have no name, and says so.
-void refuse_nameless_laws(SceneText& scanned)
+/// Takes out the entries of sections such as 'Bond law' that have no name, and says so.
+void refuse_nameless(const char* prefix, SceneText& scanned)
 {
-  const auto nameless = [](const SceneEntry& entry) {
-    return entry.section() == trimmed(law_prefix);
-  };
+  const auto nameless = [&](const SceneEntry& entry) { return entry.section() == trimmed(prefix); };
   const auto first = std::ranges::find_if(scanned.entries, nameless);
   if (first == scanned.entries.end())
     return;
   scanned.diagnostics.push_back(
-      {Diagnostic::Kind::error, first->place, "give the law a name: 'subsection Bond law NAME'"});
+      {Diagnostic::Kind::error, first->place,
+       fmt::format("give it a name: 'subsection {} NAME'", trimmed(prefix))});
   std::erase_if(scanned.entries, nameless);
 }
 
 } // namespace
 
-void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names)
+void declare(Schema& schema, Scene& scene, const NamedSections& names)
 {
   declare_top(schema, scene);
   declare_specimen(schema, scene.specimen);
-  declare_bonds(schema, scene, names);
+  declare_bonds(schema, scene, names.laws);
   declare_temperature(schema, scene.temperature);
   declare_strength(schema, scene.strength);
   declare_loading(schema, scene.load);
@@ -324,6 +328,7 @@ void declare(Schema& schema, Scene& scene, const std::vector<std::string>& names
   declare_output(schema, scene.output);
   declare_study(schema, scene.study);
   declare(schema, scene.element);
+  declare(schema, scene.continuum, names.boundaries, names.regions);
   declare(schema, scene.expect);
   declare(schema, scene.repeat);
 }
@@ -377,7 +382,8 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   loaded.name = std::filesystem::path(name).stem().string();
   loaded.text = text;
   SceneText scanned = scan_scene(text, name, folder);
-  refuse_nameless_laws(scanned);
+  for (const char* prefix : {law_prefix, boundary_prefix, region_prefix})
+    refuse_nameless(prefix, scanned);
   loaded.diagnostics = scanned.diagnostics;
   for (const std::string& each : overrides)
     try {
@@ -388,7 +394,9 @@ LoadedScene load_scene_text(const std::string& text, const std::string& name,
   loaded.scene = std::make_unique<Scene>();
   loaded.units = std::make_unique<Units>();
   loaded.schema = std::make_unique<Schema>(*loaded.units);
-  declare(*loaded.schema, *loaded.scene, law_names(scanned.entries));
+  declare(*loaded.schema, *loaded.scene,
+          {names_after(law_prefix, scanned.entries), names_after(boundary_prefix, scanned.entries),
+           names_after(region_prefix, scanned.entries)});
   for (Diagnostic& each : loaded.schema->apply(scanned.entries))
     loaded.diagnostics.push_back(std::move(each));
   try {

@@ -1,4 +1,5 @@
 #pragma once
+#include "apps/continuum_keys.h"
 #include "apps/expectations.h"
 #include "apps/schema.h"
 #include "apps/volume_element_keys.h"
@@ -17,7 +18,7 @@
 namespace apps {
 
 /// Which solver a scene asks for.
-enum class SolverChoice { automatic, linear, events, quasistatic, dynamic };
+enum class SolverChoice { automatic, linear, events, quasistatic, dynamic, continuum };
 
 enum class SpecimenSource { generate, file };
 enum class BondRule { mean_contacts, gap };
@@ -31,7 +32,8 @@ enum class TestKind {
   haversine,
   block_pulses,
   sine,
-  particle_loads
+  particle_loads,
+  boundary_loads
 };
 enum class TimeSpacing { automatic, linear, logarithmic };
 enum class ShiftKind { none, wlf, arrhenius };
@@ -107,7 +109,8 @@ struct Scene {
     std::optional<double> end_strain;   ///< [-]
     double strain_limit;                ///< [-]
     std::vector<std::pair<double, double>> stress_history, strain_history;
-    double peak_stress;                   ///< of pulses, compression positive [Pa]
+    std::vector<std::pair<double, double>> factor_history; ///< of boundary loads: time [s], factor
+    double peak_stress;                                    ///< of pulses, compression positive [Pa]
     double contact_share;                 ///< stress between pulses over the peak [-]
     double loading_time, rest_time;       ///< of each pulse [s]
     double mean_stress, stress_amplitude; ///< of a sine, compression positive [Pa]
@@ -137,13 +140,16 @@ struct Scene {
   } study;
 
   VolumeElementInput element;
+  ContinuumInput continuum;
   Expectations expect;
   RepeatedRun repeat;
 };
 
 /// Declares all keys of a scene and binds them to its members.
-/// \param law_names  names of the sections "Bond law NAME" to declare
-void declare(Schema& schema, Scene& scene, const std::vector<std::string>& law_names);
+struct NamedSections {
+  std::vector<std::string> laws, boundaries, regions; ///< "Bond law NAME", "Boundary NAME", ...
+};
+void declare(Schema& schema, Scene& scene, const NamedSections& names);
 
 /// A scene read from a file, with all that is wrong with it.
 struct LoadedScene {

@@ -1,6 +1,8 @@
 #include "apps/scene.h"
 
+#include "apps/continuum_check.h"
 #include "apps/cycles.h"
+#include "apps/findings.h"
 #include "apps/specimen.h"
 #include "apps/text.h"
 
@@ -14,36 +16,6 @@
 namespace apps {
 
 namespace {
-
-/// Collects what is wrong, each with the place of the key it is about.
-class Findings {
-public:
-  explicit Findings(const Schema& schema) : schema_(schema) {}
-
-  void tell(Diagnostic::Kind kind, const std::string& key, const std::string& message)
-  {
-    const auto found = schema_.set_keys().find(key);
-    const std::string place =
-        found != schema_.set_keys().end() ? found->second : key + " (not set)";
-    const bool typed = found != schema_.set_keys().end();
-    list.push_back(
-        {kind, place, typed ? key.substr(key.rfind('/') + 1) + ": " + message : message});
-  }
-  void error(const std::string& key, const std::string& message)
-  {
-    tell(Diagnostic::Kind::error, key, message);
-  }
-  bool has_errors() const
-  {
-    return std::ranges::find(list, Diagnostic::Kind::error, &Diagnostic::kind) != list.end();
-  }
-  bool is_set(const std::string& key) const { return schema_.set_keys().contains(key); }
-
-  std::vector<Diagnostic> list;
-
-private:
-  const Schema& schema_;
-};
 
 void check_specimen(const Scene& scene, Findings& findings)
 {
@@ -225,6 +197,12 @@ void check_loading(const Scene& scene, Findings& findings)
     findings.error("Loading/End strain", "constant rate needs an End strain");
   if (v.release_time && *v.release_time >= v.end_time)
     findings.error("Loading/Release time", "must come before the End time");
+  if (v.test == TestKind::boundary_loads)
+    check_history(v.factor_history.empty() ? std::vector<std::pair<double, double>>{{0, 1}, {1, 1}}
+                                           : v.factor_history,
+                  "Loading/Load factor history", findings);
+  if (v.test == TestKind::boundary_loads && scene.solver != SolverChoice::continuum)
+    findings.error("Loading/Test", "boundary loads need Solver = continuum");
   if (v.test == TestKind::particle_loads && scene.specimen.source != SpecimenSource::file)
     findings.error("Loading/Test", "particle loads come from a particle file: Source = file");
   if (v.true_stress && (v.test == TestKind::constant_rate || v.test == TestKind::strain_history ||
@@ -251,7 +229,7 @@ void check_temperature(const Scene& scene, Findings& findings)
 {
   if (!has_temperature_history(scene))
     return;
-  if (scene.temperature.shift == ShiftKind::none)
+  if (scene.temperature.shift == ShiftKind::none && scene.solver != SolverChoice::continuum)
     findings.error("Temperature/Temperature history",
                    "without a Shift law the temperature has no effect");
   if (findings.is_set("Temperature/Temperature"))
@@ -359,6 +337,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
   check_element(scene, findings);
   check_loading(scene, findings);
   check_solver(scene, findings);
+  check_continuum(scene, findings);
   check_output(scene, findings);
   check_study(scene, findings);
   return findings.list;

@@ -179,6 +179,26 @@ void Schema::quantity(const std::string& key, double& target, const std::string&
                  [=, this](const std::string& typed) { return checked(typed, unit, bounds, si); });
 }
 
+void Schema::optional_quantities(const std::string& key, std::vector<std::optional<double>>& target,
+                                 const std::string& absent, const std::string& unit,
+                                 const std::string& initial, const Bounds& bounds,
+                                 const std::string& text)
+{
+  const std::string si = si_unit_of(unit);
+  default_units_[path_of(section_, key)] = unit;
+  declare_parsed(key, target, initial, text,
+                 "list, each " + range_text(unit, bounds) + ", or '" + absent + "'",
+                 [=, this](const std::string& typed) {
+                   std::vector<std::optional<double>> result;
+                   for (const std::string& part : split(typed, ','))
+                     if (part == absent)
+                       result.emplace_back();
+                     else
+                       result.emplace_back(checked(part, unit, bounds, si));
+                   return result;
+                 });
+}
+
 void Schema::quantities(const std::string& key, std::vector<double>& target,
                         const std::string& unit, const std::string& initial, const Bounds& bounds,
                         const std::string& text)

@@ -68,6 +68,12 @@ public:
   void quantities(const std::string& key, std::vector<double>& target, const std::string& unit,
                   const std::string& initial, const Bounds& bounds, const std::string& text);
 
+  /// Quantities, or the word `absent`, separated by commas; may be empty.
+  void optional_quantities(const std::string& key, std::vector<std::optional<double>>& target,
+                           const std::string& absent, const std::string& unit,
+                           const std::string& initial, const Bounds& bounds,
+                           const std::string& text);
+
   /// Pairs "a: b" separated by commas.
   void pairs(const std::string& key, std::vector<std::pair<double, double>>& target,
              const std::string& first_unit, const std::string& second_unit,

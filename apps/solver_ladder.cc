@@ -35,6 +35,30 @@ Rung quasistatic_rung(const std::string& knob, const Scene& scene, double factor
            fmt::format("Quasistatic/Breakage batch = {}", batch)}};
 }
 
+/// The continuum on cells and at a step tolerance that are factors of those of the scene.
+Rung continuum_rung(const std::string& knob, const Scene& scene, double cells, double steps)
+{
+  const ContinuumInput& v = scene.continuum;
+  const double size = rounded(1e3 * cells * v.body.cell_size),
+               tolerance = rounded(std::min(0.1, steps * v.step_tolerance));
+  return {"continuum",
+          knob,
+          knob == "step tolerance" ? tolerance : size,
+          {fmt::format("Body/Cell size = {} mm", shortest(size)),
+           "Continuum/Step tolerance = " + shortest(tolerance)}};
+}
+
+/// Over the size of the cells, and over the tolerance of the time steps.
+std::vector<Ladder> continuum_ladders(const Scene& scene)
+{
+  Ladder cells, steps;
+  for (const double factor : {4., 2.8, 2., 1.4, 1., 0.7})
+    cells.push_back(continuum_rung("cell size in mm", scene, factor, 1));
+  for (const double factor : {1e4, 1e3, 1e2, 10., 1.})
+    steps.push_back(continuum_rung("step tolerance", scene, 1, factor));
+  return {cells, steps};
+}
+
 void check_solvers(const std::vector<std::string>& names)
 {
   for (const std::string& name : names)
@@ -64,6 +88,8 @@ std::string Rung::folder() const
 std::vector<Ladder> solver_ladders(const Scene& scene, const LadderOptions& options)
 {
   check_solvers(options.solvers);
+  if (scene.solver == SolverChoice::continuum)
+    return continuum_ladders(scene);
   std::vector<Ladder> ladders;
   for (const std::string& solver : options.solvers) {
     if (solver == "linear" || solver == "events")
@@ -101,8 +127,10 @@ Rung plain_rung(const std::string& solver)
   return {solver, "", 0, {}};
 }
 
-Rung finest_quasistatic(const Scene& scene)
+Rung finest(const Scene& scene)
 {
+  if (scene.solver == SolverChoice::continuum)
+    return continuum_rung("finest cell size in mm", scene, 0.5, 0.1);
   return quasistatic_rung("finest strain per step", scene, 0.1, 1);
 }
 

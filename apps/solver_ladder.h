@@ -33,14 +33,17 @@ struct Rung {
 /// A solver over its knob, from cheap to exact.
 using Ladder = std::vector<Rung>;
 
-/// The ladders of a scene. Without strengths there is none over the breakage batch.
+/// The ladders of a scene. Without strengths there is none over the breakage batch. A continuum is
+/// compared with itself, over the size of its cells and the tolerance of its time steps.
 /// \throws std::invalid_argument for a solver that is not there
 std::vector<Ladder> solver_ladders(const Scene& scene, const LadderOptions& options);
 
 /// A solver that has no knob.
 Rung plain_rung(const std::string& solver);
 
-/// The implicit solver at a tenth of the scene's step and tolerance, breaking one bond at a time.
-Rung finest_quasistatic(const Scene& scene);
+/// What the others are measured against where there is no exact answer: the implicit solver at a
+/// tenth of the scene's step and tolerance, breaking one bond at a time; a continuum on cells of
+/// half the size, at a tenth of the step tolerance.
+Rung finest(const Scene& scene);
 
 } // namespace apps

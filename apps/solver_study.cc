@@ -154,8 +154,9 @@ Findings run_all(const std::vector<Ladder>& ladders, Rows& rows, const LoadedSce
                  const std::string& reference)
 {
   std::vector<StudyRow> candidates;
+  const bool particles = scene.scene->solver != SolverChoice::continuum;
   for (const char* solver : {"linear", "events"})
-    if (!interrupted() && (reference == "auto" || reference == solver))
+    if (particles && !interrupted() && (reference == "auto" || reference == solver))
       candidates.push_back(rows.row(plain_rung(solver), reference_patience));
   Findings findings;
   for (const Ladder& rungs : ladders)
@@ -220,6 +221,8 @@ std::optional<std::filesystem::path> packing_of(const LoadedScene& scene,
                                                 const std::filesystem::path& folder,
                                                 const SolverStudyOptions& options)
 {
+  if (scene.scene->solver == SolverChoice::continuum)
+    return std::nullopt;
   RunOptions run_options;
   if (!options.packing.empty())
     run_options.packing = absolute_folder(options.packing);

@@ -151,6 +151,8 @@ std::string name_of(SolverChoice solver)
     return "quasistatic";
   case SolverChoice::dynamic:
     return "dynamic";
+  case SolverChoice::continuum:
+    return "continuum";
   default:
     return "auto";
   }

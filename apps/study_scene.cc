@@ -31,6 +31,10 @@ LoadedScene scene_of_run(const LoadedScene& study, const std::string& name,
   };
   settings.push_back("Specimen/File = " + full_name(varied.scene->specimen.file));
   settings.push_back("Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file));
+  settings.push_back("Body/Law = " + full_name(varied.scene->continuum.body.law_file));
+  settings.push_back("Body/Mesh file = " + full_name(varied.scene->continuum.body.mesh_file));
+  for (const auto& [region, law] : varied.scene->continuum.regions)
+    settings.push_back(fmt::format("Region {}/Law = {}", region, full_name(law)));
   return load_scene_text(text, file_name, study.folder, settings);
 }
 
@@ -39,6 +43,8 @@ std::optional<std::filesystem::path> shared_packing(const std::vector<LoadedScen
                                                     const RunOptions& options)
 {
   const std::string recipe = packing_recipe(*scenes.front().scene);
+  if (scenes.front().scene->solver == SolverChoice::continuum)
+    return std::nullopt;
   const bool shared = std::ranges::all_of(scenes, [&](const LoadedScene& each) {
     return each.scene->specimen.source == SpecimenSource::generate &&
            packing_recipe(*each.scene) == recipe;

@@ -1,12 +1,14 @@
 #include "apps/verbs.h"
 
 #include "apps/checkpoint.h"
+#include "apps/continuum_run.h"
 #include "apps/files.h"
 #include "apps/plot.h"
 #include "apps/study.h"
 #include "apps/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -166,7 +168,13 @@ int check_verb(const std::string& scene, const std::vector<std::string>& overrid
   if (!loaded.has_errors())
     for (Diagnostic& each : check_study_runs(scene, overrides, study_runs(*loaded.scene)))
       loaded.diagnostics.push_back(std::move(each));
-  if (!loaded.has_errors() && loaded.scene->specimen.source == SpecimenSource::file) {
+  if (!loaded.has_errors() && loaded.scene->solver == SolverChoice::continuum) {
+    try {
+      check_continuum_files(loaded);
+    } catch (const std::exception& problem) {
+      loaded.diagnostics.push_back({Diagnostic::Kind::error, "Body", problem.what()});
+    }
+  } else if (!loaded.has_errors() && loaded.scene->specimen.source == SpecimenSource::file) {
     try {
       make_specimen(loaded, make_packing(loaded));
     } catch (const std::exception& problem) {
@@ -224,6 +232,8 @@ int new_verb(const std::string& kind)
        {"Title = Network from files", "Specimen/Source = file", "Specimen/File = particles.csv",
         "Specimen/Bond file = bonds.csv", "Loading/Test = particle loads"}},
       {"dynamic", {"Title = Creep by the explicit solver", "Solver = dynamic"}},
+      {"continuum",
+       {"Title = Creep of a continuum", "Solver = continuum", "Body/Law = material.law"}},
       {"study",
        {"Title = Creep at several stresses", "Study/Vary = Loading/Axial stress",
         "Study/Values = 400 kPa, 500 kPa, 600 kPa, 1000 kPa"}}};
@@ -265,18 +275,19 @@ int plot_verb(const std::vector<std::string>& results, const std::string& output
 
 int export_verb(const std::string& result, const std::string& table, const std::string& time)
 {
-  const std::vector<std::string> tables{"history",   "breakages", "cycles",         "energy",
-                                        "particles", "bonds",     "complex_modulus"};
+  const std::vector<std::string> tables{"history",   "breakages", "cycles",          "energy",
+                                        "particles", "bonds",     "complex_modulus", "probes"};
   if (std::find(tables.begin(), tables.end(), table) == tables.end()) {
     const std::string close = nearest(table, tables);
-    throw std::invalid_argument(fmt::format(
-        "there is no table '{}'; tables: history, breakages, cycles, energy, particles, bonds, "
-        "complex_modulus{}",
-        table, close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
+    throw std::invalid_argument(
+        fmt::format("there is no table '{}'; tables: {}{}", table, fmt::join(tables, ", "),
+                    close.empty() ? "" : fmt::format("; did you mean '{}'?", close)));
   }
   const dem::Hdf5File file = open_stored(result_file(result), "result");
   std::vector<Column> columns;
   if (table == "particles" || table == "bonds") {
+    if (!file.has("packing"))
+      throw std::invalid_argument("a continuum has no particles; its fields are in paraview/");
     const Snapshot snapshot = read_snapshot(file, snapshot_group(file, time));
     columns = table == "particles" ? particle_columns(stored_particles(file), snapshot)
                                    : bond_columns(stored_ends(file), snapshot);
@@ -312,6 +323,13 @@ int info_verb(const std::string& name)
        {"name", "title", "program", "revision", "compiler", "written_utc", "solver",
         "solver_reason", "solver_statistics", "end", "end_reason", "estimated_values"})
     fmt::print("  {:<20} {}\n", attribute, file.text_attribute("", attribute));
+  if (file.text_attribute("", "solver") == "continuum") {
+    for (const char* attribute : {"ranks", "wall_time_s", "cells", "unknowns", "element_order",
+                                  "steps", "estimated_time_error"})
+      fmt::print("  {:<20} {:g}\n", attribute, file.number_attribute("", attribute));
+    fmt::print("\nscene as resolved:\n\n{}", file.read_text("scene/resolved"));
+    return exit_ok;
+  }
   for (const char* attribute :
        {"threads", "wall_time_s", "packing_seed", "strength_seed", "viscosity_shift_aT"})
     fmt::print("  {:<20} {:g}\n", attribute, file.number_attribute("", attribute));

@@ -132,6 +132,10 @@ Elements<dim>::Elements(const Mesh<dim>& mesh, const Discretisation& discretisat
     face_quadrature_ = dealii::QGauss<dim - 1>(order + 1);
   }
   dofs_.distribute_dofs(*element_);
+  dealii::IndexSet relevant;
+  dealii::DoFTools::extract_locally_relevant_dofs(dofs_, relevant);
+  layout_of_vectors_ = std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+      dofs_.locally_owned_dofs(), relevant, ranks());
   read_reference_shapes();
   read_geometry();
 }
@@ -165,8 +169,7 @@ void Elements<dim>::read_geometry()
   dealii::FEValues<dim> values(*mapping_, *element_, quadrature_,
                                dealii::update_inverse_jacobians | dealii::update_jacobians |
                                    dealii::update_JxW_values | dealii::update_quadrature_points);
-  const Vector pattern = zero();
-  const auto& partitioner = *pattern.get_partitioner();
+  const auto& partitioner = *layout_of_vectors_;
   std::string inverted;
   for (const auto& cell : dofs_.active_cell_iterators()) {
     if (!cell->is_locally_owned())
@@ -222,9 +225,7 @@ void Elements<dim>::read_dilatation_basis(std::size_t cell,
 template <int dim>
 Vector Elements<dim>::zero() const
 {
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(dofs_, relevant);
-  return Vector(dofs_.locally_owned_dofs(), relevant, ranks());
+  return Vector(layout_of_vectors_);
 }
 
 template <int dim>

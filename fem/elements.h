@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/discretisation.h"
 #include "fem/mesh.h"
 
 #include <deal.II/base/quadrature.h>
@@ -13,19 +14,6 @@ namespace fem {
 
 /// One number per unknown, shared out over the ranks, with those of the neighbours.
 using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
-
-/// How the volume strain enters.
-enum class Dilatation {
-  pointwise, ///< as it is; locks where the material is nearly incompressible
-  projected  ///< hexahedra: on polynomials of one degree less than the displacement, in each cell;
-             ///< simplices of degree 2 and more: on its mean in the cell. Does not lock.
-};
-
-/// Finite elements on a mesh.
-struct Discretisation {
-  int order = 1; ///< of the displacement: 1, 2 or 3
-  Dilatation dilatation = Dilatation::projected;
-};
 
 /// What the elements of a rank compute: strains of displacements, forces of stresses, stiffnesses
 /// of tangents. Points are counted cell by cell. Small strains; in a meridian section (dim = 2) the
@@ -98,6 +86,7 @@ private:
   std::unique_ptr<dealii::Mapping<dim>> mapping_;
   std::unique_ptr<dealii::FiniteElement<dim>> element_;
   dealii::Quadrature<dim> quadrature_;
+  std::shared_ptr<const dealii::Utilities::MPI::Partitioner> layout_of_vectors_;
   dealii::Quadrature<dim - 1> face_quadrature_;
 
   std::vector<Shapes> reference_gradients_;   ///< per point: shape functions by directions

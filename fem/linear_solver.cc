@@ -83,12 +83,17 @@ void LinearSolver::set_up()
   multigrid_.initialize(matrix, list);
 }
 
-int LinearSolver::solve(const Vector& right, double residual, Vector& x) const
+namespace {
+
+/// Conjugate gradients. \return the number of iterations
+template <typename Operator, typename Preconditioner>
+int conjugate_gradients(const Operator& system, const Preconditioner& preconditioner,
+                        const Vector& right, double residual, Vector& x)
 {
   dealii::SolverControl control(1000, residual);
   dealii::SolverCG<Vector> solver(control);
   try {
-    solver.solve(matrix_, x, right, multigrid_);
+    solver.solve(system, x, right, preconditioner);
   } catch (const dealii::SolverControl::NoConvergence& failure) {
     throw std::runtime_error(
         fmt::format("the linear system was not solved in {} iterations: residual {:.3g} N, wanted "
@@ -96,6 +101,36 @@ int LinearSolver::solve(const Vector& right, double residual, Vector& x) const
                     failure.last_step, failure.last_residual, residual));
   }
   return int(control.last_step());
+}
+
+struct Applied {
+  const std::function<void(Vector&, const Vector&)>& apply;
+  void vmult(Vector& to, const Vector& from) const { apply(to, from); }
+};
+
+/// A cycle of the multigrid that leaves what is constrained at zero.
+struct Held {
+  const dealii::TrilinosWrappers::PreconditionAMG& multigrid;
+  const dealii::AffineConstraints<double>& constraints;
+  void vmult(Vector& to, const Vector& from) const
+  {
+    multigrid.vmult(to, from);
+    constraints.set_zero(to);
+  }
+};
+
+} // namespace
+
+int LinearSolver::solve(const Vector& right, double residual, Vector& x) const
+{
+  return conjugate_gradients(matrix_, multigrid_, right, residual, x);
+}
+
+int LinearSolver::solve(const std::function<void(Vector&, const Vector&)>& apply,
+                        const dealii::AffineConstraints<double>& constraints, const Vector& right,
+                        double residual, Vector& x) const
+{
+  return conjugate_gradients(Applied{apply}, Held{multigrid_, constraints}, right, residual, x);
 }
 
 template LinearSolver::LinearSolver(const Elements<2>&, const dealii::AffineConstraints<double>&);

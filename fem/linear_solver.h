@@ -5,6 +5,8 @@
 #include <deal.II/lac/trilinos_precondition.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 
+#include <functional>
+
 namespace fem {
 
 /// A symmetric positive definite system over the ranks, solved by conjugate gradients with
@@ -28,6 +30,14 @@ public:
   /// \return the number of iterations
   /// \throws std::runtime_error if the residual does not come down
   int solve(const Vector& right, double residual, Vector& x) const;
+
+  /// The same for another operator that is not far from the matrix, such as that of a later tangent
+  /// without its matrix; the multigrid stays that of the matrix.
+  /// \param apply        to = operator times from
+  /// \param constraints  whose unknowns stay zero
+  int solve(const std::function<void(Vector& to, const Vector& from)>& apply,
+            const dealii::AffineConstraints<double>& constraints, const Vector& right,
+            double residual, Vector& x) const;
 
   /// One cycle of the multigrid.
   void precondition(const Vector& from, Vector& to) const { multigrid_.vmult(to, from); }

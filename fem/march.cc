@@ -22,18 +22,18 @@ void attempt(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
   state.n_solves += report.n_solves;
   state.n_iterations += report.n_iterations;
   state.n_assemblies += report.assembled;
-  state.n_set_ups += report.set_up;
 }
 
-/// Estimated error of the step that was tried, over all ranks [-].
+/// Estimated error of the step that was tried, over the largest size so far, on all ranks [-].
 template <int dim>
-double step_error(const Specimen<dim>& specimen, const MaterialPoints& points)
+double step_error(const Specimen<dim>& specimen, const MaterialPoints& points, double& largest)
 {
   const StepError own = points.step_error(specimen.elements().weights());
   const MPI_Comm ranks = specimen.elements().ranks();
   const double square = dealii::Utilities::MPI::sum(own.square, ranks);
   const double size = dealii::Utilities::MPI::sum(own.size_square, ranks);
-  return size > 0 ? std::sqrt(square / size) : 0;
+  largest = std::max(largest, std::sqrt(size));
+  return largest > 0 ? std::sqrt(square) / largest : 0;
 }
 
 } // namespace
@@ -50,37 +50,34 @@ void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
 
 template <int dim>
 void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
-                const History& history, const MarchSettings& settings, double stop)
+                const History& history, const StepSettings& settings, double stop)
 {
   constexpr double least_share = 1e-12; // of the way to the stop
   const double way = stop - state.time;
   double h = state.next_step > 0 ? state.next_step : settings.first_step;
+  h = step_within(h, way);
   while (true) {
-    const bool last = h >= way * (1 - 1e-12);
-    if (last)
-      h = way;
-    else if (h > way / 2)
-      h = way / 2; // two even steps instead of one and a rest
+    const bool last = h == way;
     const double end = last ? stop : state.time + h;
     const LoadState load = last ? history.load_before(stop) : history.load(end);
     attempt(specimen, points, state, load,
             history.reduced_time(end) - history.reduced_time(state.time));
-    const double error = step_error(specimen, points);
-    const double factor =
-        error > 0 ? 0.9 * std::cbrt(settings.tolerance / error) : settings.largest_growth;
+    double size = state.size;
+    const double error = step_error(specimen, points, size);
     if (error <= settings.tolerance) {
       points.commit();
       specimen.commit();
       state.time = end;
       state.error_sum += error;
+      state.size = size;
       ++state.n_steps;
-      const double next = h * std::clamp(factor, 0.3, settings.largest_growth);
+      const double next = next_step(h, error, settings);
       // a step cut short by a stop says nothing against the size that was meant
       state.next_step = last ? std::max(next, std::min(state.next_step, 3 * next)) : next;
       return;
     }
     ++state.n_rejected;
-    h *= std::clamp(factor, 0.1, 0.7);
+    h = smaller_step(h, error, settings);
     if (!(h > least_share * way))
       throw std::runtime_error(
           fmt::format("at t = {:.6g} s no step is small enough: the estimated error of a step of "
@@ -92,8 +89,8 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
 template void apply_jump(Specimen<2>&, MaterialPoints&, MarchState&, const History&);
 template void apply_jump(Specimen<3>&, MaterialPoints&, MarchState&, const History&);
 template void march_step(Specimen<2>&, MaterialPoints&, MarchState&, const History&,
-                         const MarchSettings&, double);
+                         const StepSettings&, double);
 template void march_step(Specimen<3>&, MaterialPoints&, MarchState&, const History&,
-                         const MarchSettings&, double);
+                         const StepSettings&, double);
 
 } // namespace fem

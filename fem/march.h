@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/specimen.h"
+#include "fem/step_size.h"
 
 #include <functional>
 
@@ -12,19 +13,14 @@ struct History {
   std::function<double(double time)> reduced_time;   ///< int dt / a_T [s]
 };
 
-/// How time steps are chosen.
-struct MarchSettings {
-  double tolerance = 1e-4;   ///< estimated error of a step over the strain or stress [-]
-  double first_step = 1e-3;  ///< after a jump [s]
-  double largest_growth = 3; ///< of a step over the one before
-};
-
 /// How far a run is, and what it took.
 struct MarchState {
   double time = 0;      ///< [s]
   double next_step = 0; ///< [s]; 0 after a jump
   double error_sum = 0; ///< sum of the estimated errors of all steps [-]
-  long n_steps = 0, n_rejected = 0, n_solves = 0, n_iterations = 0, n_assemblies = 0, n_set_ups = 0;
+  double size =
+      0; ///< largest strain or stress so far, which errors are over (a norm over the body)
+  long n_steps = 0, n_rejected = 0, n_solves = 0, n_iterations = 0, n_assemblies = 0;
 };
 
 /// Applies the loads at the present time at once: the elastic answer to a jump.
@@ -38,6 +34,6 @@ void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
 /// \throws std::runtime_error naming the time, if no step is small enough or one does not converge
 template <int dim>
 void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
-                const History& history, const MarchSettings& settings, double stop);
+                const History& history, const StepSettings& settings, double stop);
 
 } // namespace fem

@@ -37,6 +37,7 @@ public:
                  TimeScheme scheme);
 
   std::size_t size() const { return law_of_point_.size(); }
+  std::span<const int> laws() const { return law_of_point_; } ///< number of each point's law
 
   /// Trial states at the end of a step; the committed ones stay.
   /// \throws std::invalid_argument for a step that is negative or not finite

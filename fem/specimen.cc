@@ -12,7 +12,8 @@ namespace {
 
 constexpr int most_newton_steps = 25;
 constexpr double same_tangent = 1e-13; ///< relative
-constexpr double worn_multigrid = 3;   ///< ratio of stiffnesses between directions
+constexpr double worn_multigrid = 2;   ///< ratio of stiffnesses between directions
+constexpr double mode_sharpness = 1e-5;
 
 /// The factor between two lists of tangents that are the same up to it.
 std::optional<double> proportion(std::span<const Mat6> a, std::span<const Mat6> b)
@@ -83,78 +84,100 @@ void Specimen<dim>::condense(Vector& force) const
   force.compress(dealii::VectorOperation::add);
 }
 
-/// Solves with the present tangent; zero where held. \return the solution's energy
+/// Solves with the present tangent; zero where held. The guess is that of the present tangent, too.
 template <int dim>
-double Specimen<dim>::solve(const Vector& right, double residual, Vector& x, StepReport& report)
+void Specimen<dim>::solve(const Vector& right, double residual, Vector& x, StepReport& report)
 {
   x.zero_out_ghost_values();
-  x *= scale_;
-  report.n_iterations += solver_.solve(right, residual, x);
+  if (as_assembled_) {
+    x *= matrix_scale_;
+    report.n_iterations += solver_.solve(right, residual, x);
+    x /= matrix_scale_;
+  } else
+    report.n_iterations +=
+        solver_.solve([this](Vector& to, const Vector& from) { apply(to, from); },
+                      supports_.constraints, right, residual, x);
   ++report.n_solves;
-  x /= scale_;
   supports_.constraints.distribute(x);
   x.update_ghost_values();
-  return x * right;
 }
 
-/// Forces of the assembled tangent under a displacement.
+/// Stiffness of the present tangents times a vector, without a matrix.
+template <int dim>
+void Specimen<dim>::apply(Vector& to, const Vector& from) const
+{
+  Vector displacement = from;
+  supports_.constraints.distribute(displacement);
+  displacement.update_ghost_values();
+  to = tangent_force(displacement);
+  condense(to);
+}
+
+/// Forces of the present tangents under a displacement.
 template <int dim>
 Vector Specimen<dim>::tangent_force(const Vector& displacement) const
 {
-  std::vector<Vec6> strain(elements_.n_points());
-  elements_.strains(displacement, strain);
-  for (std::size_t q = 0; q < strain.size(); ++q) {
-    const std::size_t k = assembled_.size() == 1     ? 0
-                          : assembled_which_.empty() ? q
-                                                     : std::size_t(assembled_which_[q]);
-    strain[q] = (assembled_[k] * strain[q]).eval();
+  work_.resize(elements_.n_points());
+  elements_.strains(displacement, work_);
+  for (std::size_t q = 0; q < work_.size(); ++q) {
+    const std::size_t k = present_.size() == 1 ? 0 : which_.empty() ? q : std::size_t(which_[q]);
+    work_[q] = (present_[k] * work_[q]).eval();
   }
-  return elements_.internal_force(strain);
+  return elements_.internal_force(work_);
 }
 
-/// Matrix, multigrid and drive mode for the tangents of an answer; what still stands is kept.
+/// Matrix, multigrid and drive mode for the tangents of an answer. What still stands is kept: the
+/// matrix serves proportional tangents; the multigrid serves tangents that differ a little, whose
+/// stiffness is then applied without a matrix.
 template <int dim>
 void Specimen<dim>::prepare(const ConstitutiveAnswer& answer, StepReport& report)
 {
   const MPI_Comm ranks = elements_.ranks();
-  const std::optional<double> factor = proportion(answer.tangent, assembled_);
-  if (dealii::Utilities::MPI::min(int(factor.has_value()), ranks) == 1) {
-    scale_ = *factor;
+  const auto all = [&](bool mine) { return dealii::Utilities::MPI::min(int(mine), ranks) == 1; };
+  const std::optional<double> same = proportion(answer.tangent, present_);
+  if (all(same.has_value())) {
+    matrix_scale_ *= *same;
+    mode_scale_ *= *same;
+    present_.assign(answer.tangent.begin(), answer.tangent.end());
     return;
   }
-  assembled_.assign(answer.tangent.begin(), answer.tangent.end());
-  assembled_which_.assign(answer.which.begin(), answer.which.end());
-  scale_ = 1;
-  solver_.assemble(elements_, supports_.constraints, assembled_, assembled_which_);
-  report.assembled = true;
-  const double distorted = dealii::Utilities::MPI::max(distortion(assembled_, set_up_for_), ranks);
-  if (!(distorted < worn_multigrid)) {
+  present_.assign(answer.tangent.begin(), answer.tangent.end());
+  which_.assign(answer.which.begin(), answer.which.end());
+  mode_scale_ = matrix_scale_ = 1;
+  const std::optional<double> as_matrix = proportion(present_, assembled_);
+  as_assembled_ = all(as_matrix.has_value());
+  if (as_assembled_)
+    matrix_scale_ = *as_matrix;
+  else if (const double distorted =
+               dealii::Utilities::MPI::max(distortion(present_, assembled_), ranks);
+           !(distorted < worn_multigrid)) {
+    assembled_ = present_;
+    solver_.assemble(elements_, supports_.constraints, assembled_, which_);
     solver_.set_up();
-    set_up_for_ = assembled_;
-    report.set_up = true;
+    as_assembled_ = true;
+    report.assembled = true;
   }
   if (supports_.driven)
     find_drive_mode(report);
 }
 
+/// The mode need not be sharp: what it leaves is a residual of the next Newton step.
 template <int dim>
 void Specimen<dim>::find_drive_mode(StepReport& report)
 {
   mode_load_ = tangent_force(supports_.drive);
-  const double from_drive = supports_.drive * mode_load_;
-  Vector right = mode_load_;
-  condense(right);
-  right *= -1;
+  const double from_drive = supports_.drive * mode_load_, largest = mode_load_.l2_norm();
+  condense(mode_load_);
+  mode_load_ *= -1;
   mode_.zero_out_ghost_values();
   mode_ -= supports_.drive; // the mode before is the guess
   supports_.constraints.set_zero(mode_);
-  const double largest = mode_load_.l2_norm();
-  solve(right, 0.1 * tolerance_ * largest, mode_, report);
-  mode_stiffness_ = from_drive - mode_ * right;
+  const double sharpness = report.assembled ? 0.1 * tolerance_ : mode_sharpness;
+  solve(mode_load_, sharpness * largest, mode_, report);
+  mode_stiffness_ = from_drive - mode_ * mode_load_;
   mode_.zero_out_ghost_values();
   mode_ += supports_.drive;
   mode_.update_ghost_values();
-  mode_load_ = right;
 }
 
 /// Adds to a start at zero the best multiples of what the body has done before.
@@ -166,13 +189,13 @@ void Specimen<dim>::guess(const Vector& residual, Vector& x) const
     Vector direction = *each;
     direction.zero_out_ghost_values();
     supports_.constraints.set_zero(direction);
-    solver_.matrix().vmult(force, direction);
-    const double energy = scale_ * (direction * force);
+    apply(force, direction);
+    const double energy = direction * force;
     if (!(energy > 0))
       continue;
     const double share = (direction * rest) / energy;
     x.add(share, direction);
-    rest.add(-share * scale_, force);
+    rest.add(-share, force);
   }
 }
 
@@ -221,13 +244,13 @@ StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
     if (residual.l2_norm() > 0.3 * tolerance_ * in_play) {
       guess(residual, correction);
       solve(residual, 0.1 * tolerance_ * in_play, correction, report);
-      along = -scale_ * (mode_load_ * correction);
+      along = -mode_scale_ * (mode_load_ * correction);
     }
     increment_.zero_out_ghost_values();
     correction.zero_out_ghost_values();
     increment_ += correction;
     if (supports_.driven && load.drive_by_force) {
-      const double further = (drive_residual - along) / (scale_ * mode_stiffness_);
+      const double further = (drive_residual - along) / (mode_scale_ * mode_stiffness_);
       drive_increment_ += further;
       increment_.add(further, mode_);
     }
@@ -254,6 +277,15 @@ double Specimen<dim>::drive_force(std::span<const Vec6> stress, const LoadState&
   const Vector internal = elements_.internal_force(stress);
   const Vector external = external_force(load.load_factor);
   return supports_.drive * internal - supports_.drive * external;
+}
+
+template <int dim>
+double Specimen<dim>::mean_displacement() const
+{
+  const Vector& along = varying_load_.l1_norm() > 0    ? varying_load_
+                        : constant_load_.l1_norm() > 0 ? constant_load_
+                                                       : supports_.drive;
+  return along * displacement_ / along.l1_norm();
 }
 
 template <int dim>

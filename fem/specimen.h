@@ -35,8 +35,8 @@ struct LoadState {
 struct StepReport {
   int n_evaluations = 0; ///< of all points
   int n_solves = 0, n_iterations = 0;
-  bool assembled = false, set_up = false;
-  double residual = 0; ///< over the forces in play [-]
+  bool assembled = false; ///< a new matrix with its multigrid
+  double residual = 0;    ///< over the forces in play [-]
 };
 
 /// A body of finite elements and its displacement. It asks one function for stress and tangent and
@@ -73,6 +73,12 @@ public:
   /// Force of the driven boundaries under a stress at all points [N], the loads on them off.
   double drive_force(std::span<const Vec6> stress, const LoadState& load) const;
 
+  /// Force per unit of the drive that the last tangents answer with [N].
+  double drive_stiffness() const { return mode_scale_ * mode_stiffness_; }
+
+  /// Mean displacement of the body along its loads, or along its drive if it has no loads [m].
+  double mean_displacement() const;
+
   /// Takes over a displacement from elsewhere.
   void set_displacement(const Vector& displacement, double drive_displacement);
 
@@ -83,8 +89,9 @@ private:
   void prepare(const ConstitutiveAnswer& answer, StepReport& report);
   void find_drive_mode(StepReport& report);
   Vector external_force(double load_factor) const;
-  double solve(const Vector& right, double residual, Vector& x, StepReport& report);
+  void solve(const Vector& right, double residual, Vector& x, StepReport& report);
   Vector tangent_force(const Vector& displacement) const;
+  void apply(Vector& to, const Vector& from) const;
   void guess(const Vector& residual, Vector& x) const;
 
   double tolerance_;
@@ -93,15 +100,17 @@ private:
   LinearSolver solver_;
   Vector constant_load_, varying_load_;
 
-  std::vector<Mat6> assembled_; ///< tangents of the matrix
-  std::vector<int> assembled_which_;
-  std::vector<Mat6> set_up_for_; ///< tangents of the multigrid
-  double scale_ = 1;             ///< present tangent over the assembled one
-  Vector mode_, mode_load_;      ///< answer to a unit of the drive; stiffness times the drive
-  double mode_stiffness_ = 0;    ///< force per unit of the drive [N], of the assembled tangent
+  std::vector<Mat6> assembled_, present_; ///< tangents of the matrix, and of the step
+  std::vector<int> which_;
+  double matrix_scale_ = 1;   ///< present tangents over those of the matrix, if as_assembled_
+  double mode_scale_ = 1;     ///< present tangents over those that the mode was found for
+  bool as_assembled_ = true;  ///< whether they are those of the matrix but for a factor
+  Vector mode_, mode_load_;   ///< answer to a unit of the drive; stiffness times the drive
+  double mode_stiffness_ = 0; ///< force per unit of the drive [N], of that tangent
 
   Vector displacement_, increment_, last_increment_;
   std::vector<Vec6> strains_;
+  mutable std::vector<Vec6> work_; ///< of tangent_force
   double drive_force_ = 0, drive_displacement_ = 0, drive_increment_ = 0;
 };
 

@@ -31,7 +31,7 @@ struct Case {
     if (scene.has_errors())
       throw std::logic_error("the scene of the test is wrong");
     specimen = make_specimen(scene, make_packing(scene));
-    loading = make_loading(*scene.scene, specimen.assembly);
+    loading = make_loading(*scene.scene, specimen.assembly.area, specimen.assembly.gauge_length);
   }
   /// Columns of the table of cycles after a run.
   std::map<std::string, std::vector<double>> cycles(SolverChoice solver) const

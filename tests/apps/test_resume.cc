@@ -186,7 +186,7 @@ TEST(Checkpoint, WithFlippedBitsIsRefusedOrUnharmed)
     const apps::Resumed resumed = apps::read_checkpoint(file, {});
     const apps::RunInProgress& run = resumed.run;
     std::string text =
-        apps::csv(apps::history_columns(run.specimen.assembly, run.record)) +
+        apps::csv(apps::history_columns(apps::face_of(run.specimen.assembly), run.record.history)) +
         apps::csv(apps::breakage_columns(run.specimen.assembly, run.run->breakages()));
     return text + fmt::format("{} {}", run.n_recorded, run.run->response(run.run->time()).strain);
   };

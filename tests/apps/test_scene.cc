@@ -80,7 +80,7 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
   EXPECT_EQ(errors(load("set Km = 1\nsubsection Study\n  set Km = 1\nend\n"
                         "subsection Bond law\n  set Classes = 0: 1\n  set Friction = 1\nend\n"
                         "subsection Nonsense\n  set Km = 1\nend\n")),
-            (Lines{"a.scene:6: give the law a name: 'subsection Bond law NAME'",
+            (Lines{"a.scene:6: give it a name: 'subsection Bond law NAME'",
                    "a.scene:1: there is no key 'Km'; keys outside of sections are: Title, Solver, "
                    "Small strain, "
                    "Accept unusual values",

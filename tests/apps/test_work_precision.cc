@@ -163,7 +163,7 @@ TEST(SolverLadder, EqualSettingsShareAFolder)
   const std::vector<Ladder> ladders = solver_ladders(*scene().scene, {});
   EXPECT_EQ(ladders[2][4].folder(), ladders[3][2].folder()) << "the scene's own step and batch";
   EXPECT_NE(ladders[2][4].folder(), ladders[2][5].folder());
-  const Rung finest = finest_quasistatic(*scene().scene);
+  const Rung finest = apps::finest(*scene().scene);
   EXPECT_EQ(finest.settings, (std::vector<std::string>{"Quasistatic/Strain per step = 5e-05",
                                                        "Quasistatic/Error tolerance = 0.0001",
                                                        "Quasistatic/Breakage batch = 1"}));

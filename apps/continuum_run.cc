@@ -1,0 +1,335 @@
+#include "apps/continuum_run.h"
+
+#include "apps/checkpoint.h"
+#include "apps/continuum_steps.h"
+#include "apps/files.h"
+#include "apps/interrupt.h"
+#include "apps/load_case.h"
+#include "apps/plot.h"
+#include "apps/progress.h"
+#include "apps/provenance.h"
+#include "apps/run_checks.h"
+#include "fem/frequency.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+/// Times at which something happens, and what.
+struct Stops {
+  std::vector<double> history, fields, refinements, all;
+
+  static bool holds(const std::vector<double>& times, double t)
+  {
+    return std::ranges::find(times, t) != times.end();
+  }
+};
+
+Stops stops_of(const Scene& scene, const dem::Loading& loading)
+{
+  Stops stops{history_times(scene, loading), snapshot_times(scene, loading), {}, {}};
+  for (const double t : scene.continuum.refinement_times)
+    if (t > loading.points.front().time && t < dem::end_time(loading))
+      stops.refinements.push_back(t);
+  for (const auto* times : {&stops.history, &stops.fields, &stops.refinements})
+    stops.all.insert(stops.all.end(), times->begin(), times->end());
+  for (const dem::LoadPoint& point : loading.points)
+    stops.all.push_back(point.time);
+  std::ranges::sort(stops.all);
+  stops.all.erase(std::unique(stops.all.begin(), stops.all.end()), stops.all.end());
+  return stops;
+}
+
+/// The history up to a stop, and the jump of the load there.
+template <int dim>
+bool advance(ContinuumInProgress<dim>& run, double stop, Progress& progress,
+             const std::filesystem::path& folder, double& last_checkpoint, double fraction)
+{
+  const Scene& scene = *run.scene.scene;
+  const fem::StepSettings settings{scene.continuum.step_tolerance, scene.continuum.first_step, 3};
+  const bool jump = dem::last_jump(run.loading, stop) == stop || stop == run.loading.points[0].time;
+  const double to = jump ? std::nextafter(stop, 0.) : stop;
+  while (run.march.time < to) {
+    run.last_time = run.march.time;
+    run.last_motion = motion(run);
+    fem::march_step(*run.specimen, *run.points, run.march, run.history, settings, to);
+    progress.update(fraction,
+                    fmt::format("t = {:.4g} s, {} steps", run.march.time, run.march.n_steps));
+    const bool due = progress.seconds() - last_checkpoint > scene.output.checkpoint_interval;
+    const bool stopped = run.ranks.any(interrupted());
+    if (stopped || run.ranks.any(due)) {
+      last_checkpoint = progress.seconds();
+      write_continuum_checkpoint(run, folder);
+    }
+    if (stopped)
+      return false;
+  }
+  if (jump && run.march.time <= stop) {
+    run.march.time = stop;
+    fem::apply_jump(*run.specimen, *run.points, run.march, run.history);
+    if (run.specimen->supports().driven)
+      run.elastic_compliance = 1 / run.specimen->drive_stiffness();
+  }
+  return true;
+}
+
+/// Runs to the end of the load history; false if it was interrupted.
+template <int dim>
+bool drive(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
+           const RunOptions& options)
+{
+  const Stops stops = stops_of(*run.scene.scene, run.loading);
+  Progress progress(run.scene.name + " (continuum)", options.quiet || !run.ranks.first(),
+                    options.for_parent && run.ranks.first());
+  const double before = run.wall_time;
+  double last_checkpoint = 0;
+  for (std::size_t k = run.n_recorded; k < stops.all.size(); ++k) {
+    const double stop = stops.all[k];
+    const bool arrived =
+        advance(run, stop, progress, folder, last_checkpoint, double(k) / double(stops.all.size()));
+    run.wall_time = before + progress.seconds();
+    if (!arrived) {
+      progress.finish();
+      return false;
+    }
+    if (Stops::holds(stops.history, stop))
+      record_history(run);
+    if (Stops::holds(stops.fields, stop))
+      record_fields(run, folder);
+    if (Stops::holds(stops.refinements, stop))
+      refine_now(run);
+    run.n_recorded = k + 1;
+  }
+  progress.finish();
+  return true;
+}
+
+/// E* over frequency from complex solutions, at the temperature of the test.
+template <int dim>
+std::vector<Column> modulus(const ContinuumInProgress<dim>& run)
+{
+  const Scene& scene = *run.scene.scene;
+  const std::vector<double>& frequencies = scene.output.frequencies;
+  if (!has_platens(scene) || has_temperature_history(scene) || frequencies.empty())
+    return {};
+  std::vector<double> omegas;
+  const double shift = 1 / run.history.reduced_time(1);
+  modulus_columns(frequencies, [&](double omega) {
+    omegas.push_back(omega * shift);
+    return std::complex<double>();
+  });
+  const auto stiffness = fem::drive_stiffness(*run.specimen, run.laws.laws, run.points->laws(),
+                                              omegas, scene.continuum.solver_tolerance);
+  std::size_t k = 0;
+  return modulus_columns(
+      frequencies, [&](double) { return stiffness[k++].value * run.face.length / run.face.area; });
+}
+
+std::string name_of(fem::TimeScheme scheme)
+{
+  return scheme == fem::TimeScheme::stress_linear ? "stress linear" : "strain linear";
+}
+
+template <int dim>
+int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
+           const RunOptions& options)
+{
+  bool ended = false;
+  try {
+    ended = drive(run, folder, options);
+  } catch (const std::runtime_error&) {
+    if (run.march.n_steps > 0)
+      write_continuum_checkpoint(run, folder); // the last good state
+    throw;
+  }
+  if (!ended) {
+    say(run.ranks,
+        fmt::format("{}: interrupted at t = {:.6g} s{}", run.scene.name, run.march.time,
+                    options.for_parent ? ""
+                                       : "; to go on: mastic run --resume " + folder.string()));
+    return exit_interrupted;
+  }
+  const std::vector<Column> over_frequency = modulus(run);
+  const long n_cells = long(run.mesh.cells->n_global_active_cells());
+  const long n_unknowns = long(run.specimen->elements().dofs().n_dofs());
+  if (!run.ranks.first())
+    return exit_ok;
+  const Scene& scene = *run.scene.scene;
+  std::vector<std::string> laws;
+  for (const fem::LawRecord& record : run.laws.records)
+    laws.push_back(fem::law_text(record));
+  const ContinuumSize size{n_cells, n_unknowns, scene.continuum.order, run.ranks.number(),
+                           name_of(run.scheme)};
+  say(run.ranks, "  " + statistics(run.march));
+  say(run.ranks, fmt::format("  solved in {}", duration_text(run.wall_time)));
+  if (const double strain = std::abs(run.record.history.back().strain); strain > 0.02)
+    say(run.ranks, fmt::format("  note: strains are taken as small; at {:.2g} % the change of "
+                               "geometry that this leaves out is of that order",
+                               100 * strain));
+  write_continuum_results(
+      {run.scene, run.face, run.record, run.march, size, run.places, over_frequency, laws,
+       run.loading.control == dem::Loading::Control::displacement, run.wall_time},
+      folder);
+  remove_checkpoints(folder);
+  say(run.ranks, fmt::format("  results in {}", folder.string()));
+  if (scene.output.plots)
+    for (const std::string& figure : make_figures({folder}, folder))
+      say(run.ranks, "  figure " + figure);
+  if (options.unchecked || !expects_anything(scene.expect))
+    return exit_ok;
+  const std::vector<Check> checks =
+      check_history(scene.expect, history_columns(run.face, run.record.history));
+  return report_checks(checks, folder) ? exit_ok : exit_not_met;
+}
+
+/// The same exit code on all ranks.
+int agreed(const Ranks& ranks, int code)
+{
+  MPI_Bcast(&code, 1, MPI_INT, 0, ranks.all());
+  return code;
+}
+
+template <int dim>
+int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesystem::path& folder,
+             const RunOptions& options, const StoredContinuum* stored)
+{
+  const Scene& scene = *loaded.scene;
+  BodyLaws laws = read_laws(loaded);
+  ContinuumInProgress<dim> run{.scene = loaded,
+                               .ranks = ranks,
+                               .laws = std::move(laws),
+                               .mesh = make_mesh<dim>(loaded, ranks.all()),
+                               .loading = {},
+                               .history = {},
+                               .scheme = {},
+                               .places = probe_places(scene.continuum.probes),
+                               .specimen = {},
+                               .points = {},
+                               .probes = {},
+                               .march = {},
+                               .record = {}};
+  const auto [low, high] = fem::extent(run.mesh);
+  run.face.platen = has_platens(scene);
+  run.face.length = scene.specimen.gauge_length.value_or(high[dim - 1] - low[dim - 1]);
+  run.face.area = 1;
+  if (stored)
+    fem::refine_to(run.mesh, stored->cells.names);
+  run.scheme = scheme_of(scene, make_loading(scene, 1, 1));
+  make_body(run);
+  if (run.face.platen)
+    run.face.area =
+        run.specimen->elements().boundary_area(fem::boundary_id(run.mesh, std::string("top")));
+  run.loading = make_loading(scene, run.face.area, run.face.length);
+  run.history = history_of(scene, run.loading, run.laws);
+  require_range(scene, run.laws, run.history.reduced_time(dem::end_time(run.loading)));
+  if (stored) {
+    fem::restore_cell_states(*run.specimen, *run.points, fem::own_states(run.mesh, stored->cells),
+                             stored->drive_displacement);
+    run.points->set_last_step(stored->last_step);
+    run.march = stored->march;
+    run.record = stored->record;
+    run.n_recorded = stored->n_recorded;
+    run.elastic_compliance = stored->elastic_compliance;
+    run.last_time = stored->last_time;
+    run.last_motion = stored->last_motion;
+    run.wall_time = stored->wall_time;
+  } else {
+    run.march.time = run.loading.points.front().time;
+    refine_at_start(run);
+  }
+  say(ranks, fmt::format("  {} cells of order {}, {} unknowns, {} rank{}; {} in a step{}",
+                         run.mesh.cells->n_global_active_cells(), scene.continuum.order,
+                         run.specimen->elements().dofs().n_dofs(), ranks.number(),
+                         ranks.number() > 1 ? "s" : "", name_of(run.scheme),
+                         run.specimen->supports().n_pins > 0
+                             ? fmt::format("; {} rigid motion(s) held at single nodes",
+                                           run.specimen->supports().n_pins)
+                             : ""));
+  if (ranks.first())
+    make_folder(folder);
+  return agreed(ranks, finish(run, folder, options));
+}
+
+int run_any(const LoadedScene& scene, const Ranks& ranks, const std::filesystem::path& folder,
+            const RunOptions& options, const StoredContinuum* stored)
+{
+  if (scene.scene->continuum.body.section == BodySection::meridian)
+    return run_body<2>(scene, ranks, folder, options, stored);
+  return run_body<3>(scene, ranks, folder, options, stored);
+}
+
+} // namespace
+
+int run_continuum(LoadedScene scene, const RunOptions& options)
+{
+  const Ranks ranks;
+  const std::filesystem::path folder = result_folder(scene);
+  require_writable(folder);
+  if (options.packing)
+    throw std::invalid_argument("--packing: a continuum has no particles");
+  say(ranks, scene.name + (scene.scene->title.empty() ? "" : ": " + scene.scene->title));
+  return run_any(scene, ranks, folder, options, nullptr);
+}
+
+int resume_continuum(const std::filesystem::path& checkpoint, const RunOptions& options)
+{
+  const Ranks ranks;
+  refuse_other_options(options);
+  const dem::Hdf5File file = open_checkpoint(checkpoint);
+  LoadedScene scene =
+      load_scene_text(file.read_text("scene/resolved"), file.text_attribute("scene", "name"),
+                      file.text_attribute("scene", "folder"), options.overrides);
+  scene.name = file.text_attribute("scene", "name");
+  scene.text = file.read_text("scene/as_typed");
+  if (ranks.first())
+    print_diagnostics(scene.diagnostics);
+  if (scene.has_errors())
+    throw std::invalid_argument(checkpoint.string() + ": its scene has errors");
+  const StoredContinuum stored = read_continuum_checkpoint(file);
+  if (stored.files != continuum_fingerprint(scene))
+    throw std::invalid_argument(checkpoint.string() +
+                                ": the law or mesh files have changed since the run began");
+  say(ranks, fmt::format("{}: resumed from {}", scene.name, checkpoint.string()));
+  return run_any(scene, ranks, file.text_attribute("scene", "result_folder"), options, &stored);
+}
+
+void check_continuum_files(const LoadedScene& scene)
+{
+  const Ranks ranks;
+  const auto check = [&]<int dim>(std::integral_constant<int, dim>) {
+    const fem::Mesh<dim> mesh = make_mesh<dim>(scene, ranks.all());
+    ContinuumInProgress<dim> run{.scene = scene,
+                                 .ranks = ranks,
+                                 .laws = read_laws(scene),
+                                 .mesh = mesh,
+                                 .loading = make_loading(*scene.scene, 1, 1),
+                                 .history = {},
+                                 .scheme = {},
+                                 .places = probe_places(scene.scene->continuum.probes),
+                                 .specimen = {},
+                                 .points = {},
+                                 .probes = {},
+                                 .march = {},
+                                 .record = {}};
+    make_body(run);
+    require_range(*scene.scene, run.laws,
+                  reduced_time(*scene.scene, run.laws)(dem::end_time(run.loading)));
+  };
+  if (scene.scene->continuum.body.section == BodySection::meridian)
+    check(std::integral_constant<int, 2>());
+  else
+    check(std::integral_constant<int, 3>());
+}
+
+bool is_continuum_checkpoint(const std::filesystem::path& checkpoint)
+{
+  return open_checkpoint(checkpoint).text_attribute("scene", "solver") == "continuum";
+}
+
+} // namespace apps

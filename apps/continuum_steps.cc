@@ -1,0 +1,190 @@
+#include "apps/continuum_steps.h"
+
+#include "apps/files.h"
+#include "fem/field_files.h"
+#include "fem/refinement.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+bool drives_displacement(const Scene& scene, const dem::Loading& loading)
+{
+  if (has_platens(scene))
+    return loading.control == dem::Loading::Control::displacement;
+  for (const auto& [name, boundary] : scene.continuum.boundaries)
+    for (const auto& each : boundary->displacement)
+      if (each && *each != 0)
+        return true;
+  return false;
+}
+
+/// The loads at a value of the load history.
+fem::LoadState load_state(const Scene& scene, const dem::Loading& loading, double value)
+{
+  if (!has_platens(scene))
+    return {!drives_displacement(scene, loading), value, value};
+  return {loading.control == dem::Loading::Control::force, value, 1};
+}
+
+} // namespace
+
+void say(const Ranks& ranks, const std::string& line)
+{
+  if (ranks.first()) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  }
+}
+
+fem::TimeScheme scheme_of(const Scene& scene, const dem::Loading& loading)
+{
+  if (scene.continuum.scheme != TimeSchemeChoice::automatic)
+    return scene.continuum.scheme == TimeSchemeChoice::stress_linear
+               ? fem::TimeScheme::stress_linear
+               : fem::TimeScheme::strain_linear;
+  return drives_displacement(scene, loading) ? fem::TimeScheme::strain_linear
+                                             : fem::TimeScheme::stress_linear;
+}
+
+fem::History history_of(const Scene& scene, const dem::Loading& loading, const BodyLaws& laws)
+{
+  return {[&scene, loading](double t) {
+            return load_state(scene, loading, dem::load_value(loading, t));
+          },
+          [&scene, loading](double t) {
+            return load_state(scene, loading, dem::load_value(loading, std::nextafter(t, 0.)));
+          },
+          reduced_time(scene, laws)};
+}
+
+std::vector<fem::Vec3> probe_places(const ContinuumInput::Probes& v)
+{
+  std::vector<fem::Vec3> places;
+  for (std::size_t k = 0; k + 2 < v.points.size(); k += 3)
+    places.emplace_back(v.points[k], v.points[k + 1], v.points[k + 2]);
+  if (v.line_from.empty())
+    return places;
+  const fem::Vec3 from(v.line_from.data()), to(v.line_to.data());
+  for (long k = 0; k < v.n_line_points; ++k)
+    places.push_back(from + double(k) / double(v.n_line_points - 1) * (to - from));
+  return places;
+}
+
+template <int dim>
+void make_body(ContinuumInProgress<dim>& run)
+{
+  const Scene& scene = *run.scene.scene;
+  const ContinuumInput& v = scene.continuum;
+  run.probes.reset();
+  run.specimen.emplace(run.mesh, fem::Discretisation{int(v.order), v.dilatation}, body_loads(scene),
+                       v.solver_tolerance);
+  const std::map<dealii::types::material_id, int> numbers = law_of_region(run.mesh, run.laws);
+  std::vector<int> law_of_point;
+  bool without = false;
+  for (const auto region : run.specimen->elements().regions()) {
+    const auto found = numbers.find(region);
+    without = without || (found == numbers.end() && !run.laws.region.front().empty());
+    law_of_point.push_back(found == numbers.end() ? 0 : found->second);
+  }
+  if (run.ranks.any(without))
+    throw std::invalid_argument("Body/Law: some cells belong to no 'Region NAME', so that a Law "
+                                "for them is needed");
+  run.points.emplace(run.laws.laws, std::move(law_of_point), run.scheme);
+  if (!run.places.empty())
+    run.probes.emplace(*run.specimen, run.places);
+}
+
+template <int dim>
+void refine_at_start(ContinuumInProgress<dim>& run)
+{
+  const Scene& scene = *run.scene.scene;
+  double largest = 0;
+  for (const dem::LoadPoint& point : run.loading.points)
+    if (std::abs(point.value) > std::abs(largest))
+      largest = point.value;
+  fem::History history = run.history;
+  history.load = [&](double) { return load_state(scene, run.loading, largest); };
+  for (long k = 0; k < scene.continuum.n_adaptive_refinements; ++k) {
+    fem::MarchState elastic;
+    fem::apply_jump(*run.specimen, *run.points, elastic, history);
+    fem::refine(run.mesh, *run.specimen, *run.points, scene.continuum.refined_share);
+    make_body(run);
+  }
+}
+
+template <int dim>
+void refine_now(ContinuumInProgress<dim>& run)
+{
+  const double drive = run.specimen->drive_displacement(), step = run.points->last_step();
+  const auto states =
+      fem::refine(run.mesh, *run.specimen, *run.points, run.scene.scene->continuum.refined_share);
+  make_body(run);
+  fem::restore_cell_states(*run.specimen, *run.points, states, drive);
+  run.points->set_last_step(step);
+  say(run.ranks, fmt::format("  t = {:.6g} s: refined to {} cells", run.march.time,
+                             run.mesh.cells->n_global_active_cells()));
+}
+
+template <int dim>
+double motion(const ContinuumInProgress<dim>& run)
+{
+  return has_platens(*run.scene.scene) ? run.specimen->drive_displacement()
+                                       : run.specimen->mean_displacement();
+}
+
+template <int dim>
+void record_history(ContinuumInProgress<dim>& run)
+{
+  const bool platens = has_platens(*run.scene.scene);
+  const double now = motion(run), span = run.march.time - run.last_time;
+  dem::Response row{};
+  row.time = run.march.time;
+  row.force = platens ? run.specimen->drive_force() : dem::load_value(run.loading, run.march.time);
+  row.strain = now / run.face.length;
+  row.strain_rate = span > 0 ? (now - run.last_motion) / span / run.face.length : 0;
+  row.strength_factor = std::numeric_limits<double>::infinity();
+  row.compliance = run.elastic_compliance;
+  run.record.history.push_back(row);
+  if (run.probes) {
+    run.record.probe_times.push_back(run.march.time);
+    run.record.probe_readings.push_back(run.probes->read(*run.specimen, *run.points));
+  }
+}
+
+template <int dim>
+void record_fields(ContinuumInProgress<dim>& run, const std::filesystem::path& folder)
+{
+  if (!run.scene.scene->output.paraview)
+    return;
+  const std::string name = fmt::format("body_{:04}.vtu", run.record.fields.size());
+  if (run.ranks.first())
+    make_folder(folder / "paraview");
+  MPI_Barrier(run.ranks.all());
+  fem::write_fields(folder / "paraview" / name, *run.specimen, *run.points);
+  run.record.fields.emplace_back(run.march.time, name);
+  if (run.ranks.first())
+    fem::write_series(folder / "paraview" / "body.pvd", run.record.fields);
+}
+
+template void make_body(ContinuumInProgress<2>&);
+template void make_body(ContinuumInProgress<3>&);
+template void refine_at_start(ContinuumInProgress<2>&);
+template void refine_at_start(ContinuumInProgress<3>&);
+template void refine_now(ContinuumInProgress<2>&);
+template void refine_now(ContinuumInProgress<3>&);
+template void record_history(ContinuumInProgress<2>&);
+template void record_history(ContinuumInProgress<3>&);
+template void record_fields(ContinuumInProgress<2>&, const std::filesystem::path&);
+template void record_fields(ContinuumInProgress<3>&, const std::filesystem::path&);
+template double motion(const ContinuumInProgress<2>&);
+template double motion(const ContinuumInProgress<3>&);
+
+} // namespace apps
