@@ -45,7 +45,6 @@ void restore_cell_states(Specimen<dim>& specimen, MaterialPoints& points,
     for (std::size_t q = 0; q < n_q; ++q)
       points.restore(cell * n_q + q, std::span(states[cell]).subspan(dofs.size() + q * n, n));
   }
-  specimen.supports().constraints.distribute(displacement);
   specimen.set_displacement(displacement, drive_displacement);
 }
 

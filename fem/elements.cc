@@ -113,7 +113,7 @@ dealii::Tensor<1, dim> components(const Vec3& v)
 
 template <int dim>
 Elements<dim>::Elements(const Mesh<dim>& mesh, const Discretisation& discretisation)
-    : discretisation_(discretisation), dofs_(*mesh.cells)
+    : discretisation_(discretisation), cells_(mesh.cells), dofs_(*cells_)
 {
   const unsigned order = unsigned(discretisation.order);
   if (order < 1 || order > (mesh.simplices ? 2 : 3))

@@ -82,6 +82,7 @@ private:
   void project_dilatation(std::size_t cell, Eigen::VectorXd& values) const;
 
   Discretisation discretisation_;
+  std::shared_ptr<const dealii::Triangulation<dim>> cells_; ///< lives as long as its unknowns
   dealii::DoFHandler<dim> dofs_;
   std::unique_ptr<dealii::Mapping<dim>> mapping_;
   std::unique_ptr<dealii::FiniteElement<dim>> element_;

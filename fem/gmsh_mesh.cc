@@ -21,7 +21,7 @@ struct PhysicalGroup {
   std::string name;
 };
 
-/// The named groups: the section $PhysicalNames, which is text in binary files, too.
+/// The named groups: the section $PhysicalNames.
 std::vector<PhysicalGroup> named_groups(std::istream& stream)
 {
   std::vector<PhysicalGroup> groups;
@@ -41,6 +41,21 @@ std::vector<PhysicalGroup> named_groups(std::istream& stream)
   return groups;
 }
 
+/// deal.II takes the format for granted where its assertions are off.
+void check_format(const std::filesystem::path& file, std::istream& stream)
+{
+  std::string word, version, is_binary;
+  stream >> word >> version >> is_binary;
+  if (word != "$MeshFormat")
+    return; // then it says what it found
+  if (version != "2.2" && version != "4.1")
+    throw std::invalid_argument(fmt::format(
+        "mesh {}: Gmsh format {}; the formats 2.2 and 4.1 are read", file.string(), version));
+  if (is_binary != "0")
+    throw std::invalid_argument(fmt::format(
+        "mesh {}: a binary file; text is read (Gmsh writes it with -format msh41)", file.string()));
+}
+
 /// Reads the cells, and refuses what the element code cannot use.
 template <int dim>
 void read_cells(const std::filesystem::path& file, dealii::Triangulation<dim>& whole)
@@ -48,6 +63,9 @@ void read_cells(const std::filesystem::path& file, dealii::Triangulation<dim>& w
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
     throw std::invalid_argument(fmt::format("mesh {}: cannot be read", file.string()));
+  check_format(file, stream);
+  stream.clear();
+  stream.seekg(0);
   try {
     dealii::GridIn<dim> reader(whole);
     reader.read_msh(stream);

@@ -55,7 +55,7 @@ Mesh<2> meridian(MPI_Comm ranks, double outer_diameter, double inner_diameter, d
                  const Fineness& fineness);
 
 /// A mesh of hexahedra or of tetrahedra (dim 2: quadrilaterals or triangles) from a Gmsh file
-/// (.msh, format 4.1 or 2.2, text or binary). Names of boundaries and regions are those of its
+/// (.msh, format 4.1 or 2.2, text). Names of boundaries and regions are those of its
 /// physical groups, or their numbers where they have no name.
 /// \param scale  metres per unit of the file
 /// \throws std::invalid_argument for a file that cannot be read, without cells, or with cells of

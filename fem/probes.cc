@@ -65,7 +65,7 @@ Probes<dim>::Probes(const Specimen<dim>& specimen, const std::vector<Vec3>& plac
     std::pair<typename dealii::DoFHandler<dim>::active_cell_iterator, dealii::Point<dim>> found;
     try {
       found = dealii::GridTools::find_active_cell_around_point(elements.mapping(), handler, point);
-      if (found.first != handler.end() && found.first->is_locally_owned())
+      if (found.first.state() == dealii::IteratorState::valid && found.first->is_locally_owned())
         owner = me;
     } catch (const dealii::ExceptionBase&) { // not in the cells that this rank knows
     }

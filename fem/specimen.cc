@@ -208,12 +208,15 @@ StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
   increment_ = 0;
   drive_increment_ = 0;
   Vector correction = elements_.zero();
+  double in_play = 0; // the largest while solving: a body that is unloaded has none at the end
   for (int newton = 0; newton < most_newton_steps; ++newton) {
     increment_.update_ghost_values();
     elements_.strains(increment_, strains_);
     const ConstitutiveAnswer answer = update(strains_, step);
     ++report.n_evaluations;
     prepare(answer, report);
+    const Vector internal = elements_.internal_force(answer.stress);
+    in_play = std::max({in_play, internal.l2_norm(), external.l2_norm()});
     if (supports_.driven && !load.drive_by_force && newton == 0) {
       drive_increment_ = load.drive - drive_displacement_;
       if (drive_increment_ != 0) { // the way of the boundaries first
@@ -223,10 +226,9 @@ StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
       }
     }
     Vector residual = external;
-    const Vector internal = elements_.internal_force(answer.stress);
     residual -= internal;
     drive_force_ = -(supports_.drive * residual);
-    double drive_residual = 0, in_play = std::max(internal.l2_norm(), external.l2_norm());
+    double drive_residual = 0;
     if (supports_.driven && load.drive_by_force) {
       drive_residual = load.drive - drive_force_;
       in_play = std::max(in_play, std::abs(load.drive) / supports_.drive.l2_norm());

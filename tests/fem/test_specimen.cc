@@ -50,4 +50,23 @@ TEST(Specimen, BarCreepsAsTheClosedFormAtAllTimes)
   }
 }
 
+TEST(Specimen, UnloadedBodyIsAtRest)
+{
+  const fem::Mesh<3> mesh = fem::box(ranks, {1, 1, 1}, {0.5});
+  for (const bool by_force : {true, false}) {
+    Body<3> body(mesh, {1}, {{{"bottom", {0, 0, 0}}, {"top", {loose, loose, 1}}}, {}},
+                 elastic(1e9, 0.3));
+    for (const double full : {1., 0., 0.}) {
+      body.step({by_force, full * (by_force ? 1e6 : 1e-3), 0}, 0);
+      body.step({by_force, full * (by_force ? 1e6 : 1e-3), 0}, 10);
+      EXPECT_NEAR(body.specimen.drive_displacement(), full * 1e-3, by_force ? 2e-4 : 1e-15);
+      EXPECT_NEAR(body.specimen.drive_force(), full * 1e6, by_force ? 1e-5 : 2e5);
+      if (full == 0) {
+        EXPECT_LE(body.specimen.displacement().l2_norm(), 1e-12);
+        EXPECT_NEAR(body.specimen.drive_force(), 0, 1e-5);
+      }
+    }
+  }
+}
+
 } // namespace
