@@ -1,5 +1,7 @@
 #include "dem/equilibrium.h"
 
+#include "dem/local_relaxation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +17,9 @@ constexpr double loose = 100;
 /// Iterations after which each step is searched along for the least potential.
 constexpr int plain_iterations = 6;
 constexpr int most_shortenings = 7;
+/// Local searches in a row, as long as each leaves this share of what was out of balance.
+constexpr int most_relaxations = 6;
+constexpr double relaxation_pays = 0.3;
 /// Below, waking a thread takes longer than the work.
 constexpr Index links_worth_threads = 50'000;
 
@@ -115,6 +120,61 @@ EquilibriumFinder::Residual EquilibriumFinder::evaluate(const EquilibriumProblem
   return residual;
 }
 
+/// Brings bodies at which a step was wrong to rest with all others held.
+void EquilibriumFinder::relax(const EquilibriumProblem& problem, double wanted, Equilibrium& result,
+                              Residual& residual)
+{
+  const LocalProblem local{&problem.step, problem.body_links, &dofs_,
+                           problem.hold,  &problem.external,  0.3 * wanted};
+  for (int round = 0; round < most_relaxations && residual.largest > wanted; ++round) {
+    const auto groups = unbalanced_groups(local, matrix_.tangent, residual.force);
+    if (groups.empty())
+      return;
+    const double before = residual.force.norm();
+    const Eigen::VectorXd from = result.x;
+    for (const std::vector<Index>& group : groups)
+      relax_group(local, group, result.at, result.x);
+    residual = evaluate(problem, result.x, result);
+    const double now = residual.force.norm();
+    if (!(now < before))
+      residual = evaluate(problem, result.x = from, result);
+    if (!(now < relaxation_pays * before))
+      return;
+  }
+}
+
+/// Goes along a Newton direction: all of it if what is left can be mended by few bodies, else to
+/// where the force along it is nearly zero.
+void EquilibriumFinder::advance(const EquilibriumProblem& problem, const Eigen::VectorXd& direction,
+                                double wanted, Equilibrium& result, Residual& residual)
+{
+  const double slope = residual.force.dot(direction), before = residual.force.norm();
+  const Eigen::VectorXd from = result.x, full = from + direction;
+  const bool searching = result.n_iterations > plain_iterations; // two states take turns
+  const double enough = (searching ? 0.2 : 0.8) * slope;
+  residual = evaluate(problem, result.x = full, result);
+  if (std::isfinite(residual.largest) && residual.largest > wanted) {
+    relax(problem, wanted, result, residual);
+    if (residual.force.norm() < 0.5 * before)
+      return;
+    if (result.x != full)
+      residual = evaluate(problem, result.x = full, result);
+  }
+  double share = 1, low = 0, low_slope = slope, high = 1, high_slope = slope;
+  for (int shortening = 0;; ++shortening) {
+    const double now = std::isfinite(residual.largest) ? residual.force.dot(direction) : -infinity;
+    const bool undershoots_all = shortening == 0 && now > -enough;
+    if (shortening == most_shortenings || undershoots_all || std::abs(now) <= enough ||
+        (!searching && residual.force.norm() < before))
+      return;
+    (now < 0 ? high : low) = share;
+    (now < 0 ? high_slope : low_slope) = now;
+    const double secant = low_slope / (low_slope - high_slope);
+    share = low + (high - low) * std::clamp(std::isfinite(high_slope) ? secant : 0.1, 0.1, 0.9);
+    residual = evaluate(problem, result.x = from + share * direction, result);
+  }
+}
+
 Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eigen::VectorXd& guess)
 {
   const Links& start = *problem.step.start;
@@ -153,25 +213,7 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
                       n_links > links_worth_threads ? n_threads_ : 1);
     if (!direction)
       return result;
-    const double slope = residual.force.dot(*direction), before = residual.force.norm();
-    const Eigen::VectorXd from = result.x;
-    const bool searching = result.n_iterations > plain_iterations; // two states take turns
-    const double enough = (searching ? 0.2 : 0.8) * slope;
-    double share = 1, low = 0, low_slope = slope, high = 1, high_slope = slope;
-    for (int shortening = 0;; ++shortening) {
-      result.x = from + share * *direction;
-      residual = evaluate(problem, result.x, result);
-      const double now =
-          std::isfinite(residual.largest) ? residual.force.dot(*direction) : -infinity;
-      const bool undershoots_all = shortening == 0 && now > -enough;
-      if (shortening == most_shortenings || undershoots_all || std::abs(now) <= enough ||
-          (!searching && residual.force.norm() < before))
-        break;
-      (now < 0 ? high : low) = share;
-      (now < 0 ? high_slope : low_slope) = now;
-      const double secant = low_slope / (low_slope - high_slope);
-      share = low + (high - low) * std::clamp(std::isfinite(high_slope) ? secant : 0.1, 0.1, 0.9);
-    }
+    advance(problem, *direction, wanted, result, residual);
   }
 }
 

@@ -33,9 +33,10 @@ struct Equilibrium {
 /// Finds equilibria: semi-smooth Newton with the consistent tangent of contact and slip.
 ///
 /// The friction limits are those at the start; with them held, a step is the minimum of a convex
-/// potential up to the change of geometry, so that full steps converge in a few iterations; where
-/// they overshoot, a line search shortens them. The residual is that of total forces
-/// on the new geometry: nothing drifts.
+/// potential up to the change of geometry, so that full steps converge in a few iterations. Where
+/// few bodies are left out of balance, they are brought to rest with all others held; where a step
+/// overshoots still, a line search shortens it. The residual is that of total forces on the new
+/// geometry: nothing drifts.
 class EquilibriumFinder {
 public:
   EquilibriumFinder(LinkDofs dofs, int n_threads) : dofs_(std::move(dofs)), n_threads_(n_threads) {}
@@ -55,6 +56,10 @@ private:
   Configuration configuration(const EquilibriumProblem& problem, const Eigen::VectorXd& x) const;
   Residual evaluate(const EquilibriumProblem& problem, const Eigen::VectorXd& x,
                     Equilibrium& result);
+  void relax(const EquilibriumProblem& problem, double wanted, Equilibrium& result,
+             Residual& residual);
+  void advance(const EquilibriumProblem& problem, const Eigen::VectorXd& direction, double wanted,
+               Equilibrium& result, Residual& residual);
 
   LinkDofs dofs_;
   int n_threads_;

@@ -41,10 +41,9 @@ Vec3 moment_change(const LinkTangent& t, const Vec3& v)
   return (t.k_t - t.k_b) * t.normal.dot(v) * t.normal + t.k_b * v;
 }
 
-using Block = Eigen::Matrix<double, 12, 12>;
+} // namespace
 
-/// Stiffness of one link in the scaled dofs of its two bodies.
-Block stiffness_block(const LinkTangent& t, double radius_first, double radius_second)
+LinkStiffness link_stiffness(const LinkTangent& t, double radius_first, double radius_second)
 {
   const Mat3 identity = Mat3::Identity();
   const Mat3 normal = t.normal * t.normal.transpose();
@@ -65,8 +64,6 @@ Block stiffness_block(const LinkTangent& t, double radius_first, double radius_s
   }
   return shift.transpose() * force * shift + turn.transpose() * moment * turn;
 }
-
-} // namespace
 
 LinkDofs make_dofs(const Bodies& bodies, bool platen_is_free)
 {
@@ -181,7 +178,7 @@ std::vector<double> link_values(const LinkMatrix& matrix, const SymmetricPattern
     const Index platen[2] = {platen_of(a), platen_of(b)};
     if (dof[0] >= 0 && dof[1] >= 0 && entry(std::max(dof[0], dof[1]), std::min(dof[0], dof[1])) < 0)
       continue;
-    const Block block = stiffness_block(t, dofs.radius[a], dofs.radius[b]);
+    const LinkStiffness block = link_stiffness(t, dofs.radius[a], dofs.radius[b]);
     for (int end = 0; end < 2; ++end) {
       const int other = 1 - end;
       if (dof[end] >= 0)

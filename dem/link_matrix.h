@@ -32,6 +32,10 @@ struct LinkMatrix {
   std::vector<double> hold; ///< of each body, on all its dofs [N/m]
 };
 
+/// Stiffness of one link in the scaled dofs of its two bodies; a radius of 0 is that of a platen.
+using LinkStiffness = Eigen::Matrix<double, 12, 12>;
+LinkStiffness link_stiffness(const LinkTangent& tangent, double radius_first, double radius_second);
+
 /// K x, each body's row by itself: the same bits on any number of threads.
 Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, const LinkDofs& dofs,
                         const Eigen::VectorXd& x, int n_threads);

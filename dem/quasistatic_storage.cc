@@ -106,8 +106,7 @@ void write_wear(Hdf5File& file, const std::string& group, const StaleFactor::Wea
              "N/m");
   file.set_attribute(group, "stiffness", wear.factorised ? wear.factorised->stiffness : 0.0);
   file.set_attribute(group, "extra_iterations", double(wear.extra_iterations));
-  file.set_attribute(group, "failures", double(wear.n_failures));
-  file.set_attribute(group, "direct", double(wear.n_direct));
+  file.set_attribute(group, "failed", double(wear.failed));
 }
 
 StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
@@ -121,8 +120,7 @@ StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
   factorised->values = file.read_doubles(group + "/values");
   factorised->stiffness = file.number_attribute(group, "stiffness");
   return {std::move(factorised), long(file.number_attribute(group, "extra_iterations")),
-          int(file.number_attribute(group, "failures")),
-          int(file.number_attribute(group, "direct"))};
+          file.number_attribute(group, "failed") != 0};
 }
 
 } // namespace

@@ -7,14 +7,33 @@ namespace dem {
 namespace {
 
 /// Iterations that cost as much as a factorisation.
-constexpr long iterations_per_factorisation = 30;
+constexpr long iterations_per_factorisation = 24;
 /// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
 constexpr long free_iterations = 3;
 constexpr long most_iterations = 120;
+/// With a stale factor the residual need not be smaller than this share after so many iterations:
+/// the next Newton step does better. More than the last share after a few means that the factor is
+/// too far off.
+constexpr long enough_iterations = 12, few_iterations = 8;
+constexpr double enough_then = 0.03, enough_at_last = 0.1, hopeless = 0.6;
 /// Links that carry outside the pattern before it is analysed anew.
 constexpr std::size_t most_outside = 4;
-/// Solutions that may begin with a factorisation after failures of the stale one.
-constexpr int most_direct = 8;
+
+enum class Verdict { go_on, take, give_up };
+
+/// What to make of a solution that is not precise enough yet.
+///
+/// \param left  residual over that at the beginning
+Verdict verdict(long n_iterations, double left, bool stale)
+{
+  if (!stale)
+    return n_iterations == most_iterations ? Verdict::give_up : Verdict::go_on;
+  if (n_iterations >= iterations_per_factorisation)
+    return left <= enough_at_last ? Verdict::take : Verdict::give_up;
+  if (n_iterations >= enough_iterations && left <= enough_then)
+    return Verdict::take;
+  return n_iterations == few_iterations && left > hopeless ? Verdict::give_up : Verdict::go_on;
+}
 
 } // namespace
 
@@ -70,27 +89,22 @@ std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
                                                   const Eigen::VectorXd& b, double tolerance,
                                                   double stiffness, int n_threads)
 {
-  const bool direct = wear_.n_direct > 0;
-  if (direct)
-    --wear_.n_direct;
-  if (wear_.factorised && !direct && wear_.extra_iterations <= iterations_per_factorisation) {
-    if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads,
-                         iterations_per_factorisation)) {
-      wear_.n_failures = 0;
+  const bool worn = wear_.failed || wear_.extra_iterations > iterations_per_factorisation;
+  wear_.failed = false;
+  if (wear_.factorised && !worn) {
+    if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, true))
       return x;
-    }
-    ++wear_.n_failures;
-    wear_.n_direct = std::min(most_direct, 1 << std::min(wear_.n_failures, 10)) / 2;
+    wear_.failed = true;
   }
   factorise(matrix, dofs, stiffness);
-  return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, most_iterations);
+  return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, false);
 }
 
 std::optional<Eigen::VectorXd> StaleFactor::iterate(const LinkMatrix& matrix,
                                                     const BodyLinks& body_links,
                                                     const LinkDofs& dofs, const Eigen::VectorXd& b,
                                                     double tolerance, double stiffness,
-                                                    int n_threads, long most)
+                                                    int n_threads, bool stale)
 {
   const double scale = wear_.factorised->stiffness / stiffness;
   const auto precondition = [&](const Eigen::VectorXd& r) {
@@ -102,8 +116,11 @@ std::optional<Eigen::VectorXd> StaleFactor::iterate(const LinkMatrix& matrix,
   ++statistics_.n_solves;
   long n = 0;
   for (; r.norm() > enough; ++n) {
-    if (n == most)
+    const Verdict now = verdict(n, r.norm() / b.norm(), stale);
+    if (now == Verdict::give_up)
       return std::nullopt;
+    if (now == Verdict::take)
+      break;
     const Eigen::VectorXd product = dem::product(matrix, body_links, dofs, p, n_threads);
     const double curvature = p.dot(product);
     if (!(curvature > 0))

@@ -17,9 +17,10 @@ struct FactorisedMatrix {
 ///
 /// Between two factorisations bonds break, contacts close and slide, and the step changes: the
 /// tangent differs by a few ranks and a factor, so that a few iterations do. When their extra cost
-/// since the last factorisation exceeds that of a new one, it is factorised anew. Where a stale
-/// factor fails time after time, as in an avalanche, each solution begins with a new one for a
-/// while. The pattern is analysed anew when links that carry lie outside it.
+/// since the last factorisation exceeds that of a new one, it is factorised anew, and so it is for
+/// the solution after one for which a stale factor was too far off: in an avalanche that is too.
+/// With a stale factor the residual is driven down only as far as that pays within a Newton search.
+/// The pattern is analysed anew when links that carry lie outside it.
 class StaleFactor {
 public:
   struct Statistics {
@@ -31,15 +32,14 @@ public:
   struct Wear {
     std::shared_ptr<const FactorisedMatrix> factorised;
     long extra_iterations = 0;
-    int n_failures = 0; ///< solutions in a row for which a stale factor was too far off
-    int n_direct = 0;   ///< next solutions that begin with a factorisation
+    bool failed = false; ///< was too far off: the next solution begins with a factorisation
   };
 
   /// Takes over the factor of another run.
   void restore(const Wear& wear, const LinkDofs& dofs);
   const Wear& wear() const { return wear_; }
 
-  /// Solves K x = b to a relative residual.
+  /// Solves K x = b to a relative residual, or with a stale factor to what pays.
   /// \return nothing if K is not positive definite along a search direction, or without convergence
   std::optional<Eigen::VectorXd> solve(const LinkMatrix& matrix, const BodyLinks& body_links,
                                        const LinkDofs& dofs, const Eigen::VectorXd& b,
@@ -51,7 +51,7 @@ private:
   std::optional<Eigen::VectorXd> iterate(const LinkMatrix& matrix, const BodyLinks& body_links,
                                          const LinkDofs& dofs, const Eigen::VectorXd& b,
                                          double tolerance, double stiffness, int n_threads,
-                                         long most);
+                                         bool stale);
   void factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness);
   void analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs);
 
