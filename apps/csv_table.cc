@@ -60,8 +60,8 @@ void CsvTable::read_header(const std::vector<std::string>& cells)
   }
 }
 
-/// "x_mm" and "x [mm]" are the column x in mm. What follows an underscore is a unit if it can be read
-/// as one: "axial_stress_kPa" is an axial_stress.
+/// "x_mm" and "x [mm]" are the column x in mm. What follows an underscore is a unit if it can be
+/// read as one: "axial_stress_kPa" is an axial_stress.
 CsvTable::Column CsvTable::column_of(const std::string& cell, const Units& units)
 {
   std::size_t cut = cell.find('[');

@@ -137,7 +137,7 @@ TEST(ThickCylinder, MarchFollowsTheTableAtAllTimes)
   const Probes<2> probes(specimen, {{inner, 0, 0.1}, {0, 1.5, 0.1}, {outer, 0, 0.1}});
   const auto loads = [](double) { return LoadState{true, 0, 1}; };
   const History history{loads, loads, [](double t) { return t; }};
-  const MarchSettings settings{1e-7, 1e-3, 3};
+  const StepSettings settings{1e-7, 1e-3, 3};
   MarchState state;
   apply_jump(specimen, points, state, history);
   for (const double t : {0., 0.2, 2., 10., 20., 40., 100., 200., 1000., 2000., 20000.}) {
