@@ -9,7 +9,6 @@ figures and ParaView files are part of the commands unless said. One rank is one
 """
 import argparse
 import os
-import resource
 import statistics
 import subprocess
 import tempfile
@@ -31,11 +30,15 @@ def run(arguments, scene, settings, folder, ranks=1):
     for setting in [*settings, "Output/Plots = false", f"Output/Folder = {folder}"]:
         command += ["--set", setting]
     start = time.perf_counter()
-    done = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True)
-    wall = time.perf_counter() - start
-    if done.returncode != 0:
-        raise SystemExit(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
-    memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 2**20
+    with tempfile.TemporaryFile("w+") as said:
+        process = subprocess.Popen(command, env=ENVIRONMENT, stdout=said, stderr=said)
+        _, status, usage = os.wait4(process.pid, 0)  # with the largest of the processes below it
+        wall = time.perf_counter() - start
+        process.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        if process.returncode != 0:
+            raise SystemExit(f"{' '.join(command)}\n{said.read()}")
+    memory = usage.ru_maxrss / 2**20
     with h5py.File(Path(folder) / "result.h5", "r") as file:
         about = dict(file.attrs)
         last = {name: column[-1] for name, column in file["history"].items()}

@@ -265,14 +265,16 @@ template <int dim>
 void Elements<dim>::strains(const Vector& displacement, std::span<Vec6> strain) const
 {
   const std::size_t n_dofs = layout_.size(), n_q = points_per_cell();
-  Eigen::Matrix<double, dim, Eigen::Dynamic> u(dim, n_dofs / dim);
+  Nodal u(dim, n_dofs / dim);
   Eigen::VectorXd dilatation(n_q), projected(n_q);
   for (std::size_t cell = 0; cell < n_cells(); ++cell) {
     for (std::size_t i = 0; i < n_dofs; ++i)
       u(layout_[i][0], layout_[i][1]) = displacement.local_element(local_dofs_[cell * n_dofs + i]);
     Vec6* const at = &strain[cell * n_q];
     for (std::size_t q = 0; q < n_q; ++q) {
-      const Eigen::Matrix<double, dim, dim> h = u * gradients(cell, q);
+      Eigen::Matrix<double, dim, dim> h;
+      h.noalias() = u * reference_gradients_[q];
+      h = (h * inverse_jacobians_[cell * n_q + q]).eval();
       const double hoop = dim == 2 ? u.row(0).dot(shape_values_[q]) / radii_[cell * n_q + q] : 0.;
       at[q] = mandel_strain<dim>(h, hoop);
       dilatation[Eigen::Index(q)] = at[q].template head<3>().sum();
@@ -292,7 +294,7 @@ Vector Elements<dim>::internal_force(std::span<const Vec6> stress) const
 {
   Vector force = zero();
   const std::size_t n_dofs = layout_.size(), n_q = points_per_cell();
-  Eigen::Matrix<double, dim, Eigen::Dynamic> f(dim, n_dofs / dim);
+  Nodal f(dim, n_dofs / dim);
   Eigen::VectorXd mean(n_q), projected(n_q);
   for (std::size_t cell = 0; cell < n_cells(); ++cell) {
     const Vec6* const at = &stress[cell * n_q];
@@ -306,7 +308,9 @@ Vector Elements<dim>::internal_force(std::span<const Vec6> stress) const
       Vec6 effective = at[q];
       effective.head<3>().array() += projected[Eigen::Index(q)] - mean[Eigen::Index(q)];
       const double w = weights_[cell * n_q + q];
-      f.noalias() += w * stress_tensor<dim>(effective) * gradients(cell, q).transpose();
+      const Eigen::Matrix<double, dim, dim> flux =
+          w * stress_tensor<dim>(effective) * inverse_jacobians_[cell * n_q + q].transpose();
+      f.noalias() += flux * reference_gradients_[q].transpose();
       if constexpr (dim == 2)
         f.row(0) += w * effective[1] / radii_[cell * n_q + q] * shape_values_[q].transpose();
     }

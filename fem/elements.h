@@ -72,7 +72,9 @@ public:
   double volume() const;
 
 private:
-  using Shapes = Eigen::Matrix<double, Eigen::Dynamic, dim>;
+  static constexpr int most_shapes = dim == 3 ? 64 : 16; ///< of a cell of order 3
+  using Shapes = Eigen::Matrix<double, Eigen::Dynamic, dim, 0, most_shapes, dim>;
+  using Nodal = Eigen::Matrix<double, dim, Eigen::Dynamic, 0, dim, most_shapes>;
 
   void read_reference_shapes();
   void read_geometry();

@@ -52,7 +52,7 @@ const BadInput cases[] = {
      "net.scene",
      networks::scene + "set Solver = fast\n",
      "net.scene:12: error: Solver = fast: 'fast' is not one of: auto | linear | events | "
-     "quasistatic | dynamic"},
+     "quasistatic | dynamic | continuum"},
     {"OutOfRange",
      {"Dynamic/Local damping = 1"},
      "",
@@ -217,7 +217,7 @@ TEST(BadInput, IsToldInFullBeforeTheFirstStep)
       run.output,
       "net.scene:12: error: Solver = fast: 'fast' is not one of: auto | linear | events | "
       "quasistatic | "
-      "dynamic\n"
+      "dynamic | continuum\n"
       "net.scene:13: error: there is no key 'Titel'; did you mean 'Title'?\n"
       "--set: error: End time = soon: 'soon' does not begin with a number; expected: in s, >= "
       "0\n");

@@ -203,7 +203,7 @@ TEST(Results, ExportNamesTheNearestSnapshotAndTheTablesThereAre)
   EXPECT_EQ(typo.exit_code, 2);
   EXPECT_EQ(typo.output,
             "error: there is no table 'breakage'; tables: history, breakages, cycles, energy, "
-            "particles, bonds, complex_modulus; did you mean 'breakages'?\n");
+            "particles, bonds, complex_modulus, probes; did you mean 'breakages'?\n");
   const Finished absent = mastic(done.folder, {"export", "out", "complex_modulus"});
   EXPECT_EQ(absent.exit_code, 2);
   EXPECT_TRUE(contains(absent.output, "error: the result has no table 'complex_modulus'"));

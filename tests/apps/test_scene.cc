@@ -56,7 +56,7 @@ TEST(Scene, SaysAllThatIsWrongAtOnceWithPlaceKeyAndRange)
       errors(scene),
       (Lines{
           "a.scene:1: Solver = event: 'event' is not one of: auto | linear | events | quasistatic "
-          "| dynamic; "
+          "| dynamic | continuum; "
           "did you mean 'events'?",
           "a.scene:3: Diameter = -60 mm: '-60 mm' is out of range, allowed: > 0 mm",
           "a.scene:4: there is no key 'Solid fracton' in section 'Specimen'; did you mean 'Solid "
@@ -87,7 +87,7 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                    "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
                    "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study, Volume "
-                   "element, Expect, "
+                   "element, Body, Continuum, Probes, Expect, "
                    "Repeat"}));
 }
 

@@ -230,7 +230,8 @@ TEST(BondFile, RefusesBondsThatCannotBe)
             "bonds.csv: column 'shear_strength' needs a column 'normal_strength' (with its unit, "
             "such as normal_strength_N)");
   EXPECT_EQ(bond_refusal("a,b,normal_strenght_N\n0,1,5\n"),
-            "bonds.csv: unknown column 'normal'; columns are: a, b, normal_strength, "
+            "bonds.csv: unknown column 'normal_strenght'; did you mean 'normal_strength'?; columns "
+            "are: a, b, normal_strength, "
             "shear_strength");
 }
 

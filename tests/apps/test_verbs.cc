@@ -36,13 +36,13 @@ void expect_error(const command::Folder& folder, const std::vector<std::string>&
 TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
 {
   const command::Folder folder;
-  const std::string verbs =
-      "; verbs: run, study, extract, calibrate, fit, check, pack, new, plot, export, info, card\n";
+  const std::string verbs = "; verbs: run, study, extract, calibrate, fit, check, pack, new, plot, "
+                            "export, info, card, point\n";
   expect_error(folder, {"runn"}, "error: there is no verb 'runn'; did you mean 'run'?" + verbs);
   expect_error(
       folder, {},
       "error: say what to do: run, study, extract, calibrate, fit, check, pack, new, plot, "
-      "export, info, card; or see mastic --help\n");
+      "export, info, card, point; or see mastic --help\n");
   expect_error(folder, {"run", "a.scene", "--set", "Loading/End", "time = 5 s"},
                "error: The following argument was not expected: time = 5 s; settings need quotes: "
                "--set \"Loading/Axial stress = 500 kPa\"\n");
@@ -54,9 +54,10 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
   expect_error(folder, {"info", "."}, "error: .: there is no result.h5 in it\n");
   expect_error(folder, {"plot", "."}, "error: .: there are no results in it\n");
   expect_error(folder, {"run", "--resume", "none"}, "error: none: there is no such file\n");
-  expect_error(folder, {"new", "kreep"},
-               "error: there is no kind 'kreep' of scene; kinds: constant-rate, creep, cycles, "
-               "dynamic, history, network, study; did you mean 'creep'?\n");
+  expect_error(
+      folder, {"new", "kreep"},
+      "error: there is no kind 'kreep' of scene; kinds: constant-rate, continuum, creep, cycles, "
+      "dynamic, history, network, study; did you mean 'creep'?\n");
   folder.write("text.h5", "no HDF5");
   expect_error(folder, {"info", "text.h5"},
                "error: text.h5: this is not an HDF5 file, or it is damaged\n");
