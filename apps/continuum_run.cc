@@ -168,7 +168,8 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
                            name_of(run.scheme)};
   say(run.ranks, "  " + statistics(run.march));
   say(run.ranks, fmt::format("  solved in {}", duration_text(run.wall_time)));
-  if (const double strain = std::abs(run.record.history.back().strain); strain > 0.02)
+  if (const double strain = std::abs(run.record.history.back().strain);
+      run.face.platen && strain > 0.02)
     say(run.ranks, fmt::format("  note: strains are taken as small; at {:.2g} % the change of "
                                "geometry that this leaves out is of that order",
                                100 * strain));

@@ -204,6 +204,20 @@ TEST(Continuum, GoesOnAfterAnInterruptionOnAnotherNumberOfRanks)
   EXPECT_NEAR(a.back(), b.back(), 1e-6 * std::abs(a.back()));
 }
 
+TEST(Continuum, StudyComparesCellsAndStepsWhateverTheSceneExpects)
+{
+  const command::Folder folder;
+  write_scene(folder, redistributing());
+  const Finished done = mastic(
+      folder, with({"study", "creep.scene", "--quiet"},
+                   {"Expect/Values = axial_strain_percent at 0 s: 1", "Body/Cell size = 40 mm"}));
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_TRUE(contains(done.output, "reference: continuum, finest cell size in mm 20"))
+      << done.output;
+  EXPECT_FALSE(contains(done.output, "failed")) << done.output;
+  EXPECT_TRUE(contains(done.output, "within 10 %: continuum")) << done.output;
+}
+
 TEST(Continuum, OtherUnitsChangeNothing)
 {
   const command::Folder one, two;
