@@ -1,5 +1,6 @@
 #include "apps/continuum_record.h"
 
+#include "apps/cycles.h"
 #include "apps/files.h"
 #include "apps/provenance.h"
 #include "fem/mandel.h"
@@ -81,6 +82,13 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
   for (std::size_t k = 0; k < r.laws.size(); ++k)
     file.write_text(fmt::format("laws/{}", k), r.laws[k]);
   write_columns(file, "history", history);
+  if (cyclic_load(*r.scene.scene, 1)) {
+    RunRecord record;
+    record.history = r.record.history;
+    const std::vector<Column> cycles = cycle_columns(*r.scene.scene, record);
+    write_columns(file, "cycles", cycles);
+    write_text_file(folder / "cycles.csv", csv(cycles));
+  }
   if (!r.modulus.empty()) {
     write_columns(file, "complex_modulus", r.modulus);
     write_text_file(folder / "complex_modulus.csv", csv(r.modulus));

@@ -204,6 +204,17 @@ TEST(Continuum, GoesOnAfterAnInterruptionOnAnotherNumberOfRanks)
   EXPECT_NEAR(a.back(), b.back(), 1e-6 * std::abs(a.back()));
 }
 
+TEST(Continuum, PulsesGiveATableOfCycles)
+{
+  const command::Folder folder;
+  write_scene(folder, fem::law_text(proportional()));
+  const Finished done = mastic(folder, with({"run", "creep.scene", "--quiet"},
+                                            {"Loading/Test = haversine", "Loading/Cycles = 5"}));
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  const std::string cycles = folder.read("results/creep/cycles.csv");
+  EXPECT_EQ(times_in(cycles, "\n"), 6u) << cycles;
+}
+
 TEST(Continuum, StudyComparesCellsAndStepsWhateverTheSceneExpects)
 {
   const command::Folder folder;
