@@ -16,7 +16,7 @@ void check_body(const Scene& scene, Findings& findings)
 {
   const ContinuumInput& v = scene.continuum;
   const ContinuumInput::Body& body = v.body;
-  if (body.law_file.empty() && v.regions.empty())
+  if (!has_volumes(v) && body.law_file.empty() && v.regions.empty())
     findings.error("Body/Law", "Solver = continuum needs a Law: the .law file of 'mastic extract', "
                                "'mastic fit' or 'mastic calibrate'");
   for (const auto& [name, file] : v.regions)
@@ -38,6 +38,35 @@ void check_body(const Scene& scene, Findings& findings)
   if (body.section == BodySection::meridian && body.shape != BodyShape::cylinder &&
       body.shape != BodyShape::hollow_cylinder && body.shape != BodyShape::file)
     findings.error("Body/Section", "meridian is for cylinder, hollow cylinder and mesh files");
+}
+
+void check_volumes(const Scene& scene, Findings& findings)
+{
+  const ContinuumInput& v = scene.continuum;
+  if (!has_volumes(v))
+    return;
+  if (!v.body.law_file.empty())
+    findings.error("Body/Law", "the law of volumes is their own; a Law needs Material = law file");
+  if (!v.regions.empty())
+    findings.error("Body/Material", "a body of volumes has one region");
+  if (scene.element.source == ElementSource::cut)
+    findings.error("Volume element/Source", "volumes in a body must be periodic: grow or file");
+  if (scene.element.source == ElementSource::file && v.volumes.n_families != 1)
+    findings.error("Volumes/Families", "a packing from a file makes one family");
+  if (v.body.section == BodySection::meridian)
+    findings.error("Body/Section", "a volume is not the same around an axis; use solid");
+  if (!breaks(v))
+    return;
+  if (scene.after_breakage == dem::AfterBreakage::friction)
+    findings.error("Bonds/After breakage", "volumes in a body know no friction; use pressed or "
+                                           "leave");
+  if (scene.strength.kind == StrengthKind::none)
+    findings.error("Strength/Distribution", "bonds that do not break need Material = law only");
+  if (!v.refinement_times.empty())
+    findings.error("Continuum/Refinement times",
+                   "broken bonds cannot be carried over to other points; refine at the start");
+  if (v.scheme == TimeSchemeChoice::strain_linear)
+    findings.error("Continuum/Time scheme", "volumes that break know stress linear only");
 }
 
 void check_boundaries(const Scene& scene, Findings& findings)
@@ -123,6 +152,7 @@ void check_continuum(const Scene& scene, Findings& findings)
     return;
   }
   check_body(scene, findings);
+  check_volumes(scene, findings);
   check_boundaries(scene, findings);
   check_settings(scene, findings);
 }

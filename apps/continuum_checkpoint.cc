@@ -25,13 +25,24 @@ std::vector<double> march_numbers(const fem::MarchState& m)
           double(m.n_rejected),
           double(m.n_solves),
           double(m.n_iterations),
-          double(m.n_assemblies)};
+          double(m.n_assemblies),
+          double(m.n_changes)};
 }
 
 fem::MarchState march_of(const std::vector<double>& n)
 {
-  return {n.at(0),       n.at(1),       n.at(2),       n.at(3),      long(n.at(4)),
-          long(n.at(5)), long(n.at(6)), long(n.at(7)), long(n.at(8))};
+  fem::MarchState m;
+  m.time = n.at(0);
+  m.next_step = n.at(1);
+  m.error_sum = n.at(2);
+  m.size = n.at(3);
+  m.n_steps = long(n.at(4));
+  m.n_rejected = long(n.at(5));
+  m.n_solves = long(n.at(6));
+  m.n_iterations = long(n.at(7));
+  m.n_assemblies = long(n.at(8));
+  m.n_changes = long(n.at(9));
+  return m;
 }
 
 std::vector<double> probe_numbers(const ContinuumRecord& record)
@@ -60,6 +71,21 @@ void restore_probes(ContinuumRecord& record, const std::vector<double>& numbers)
                                               Eigen::Map<const fem::Vec6>(from + 9)});
     }
   }
+}
+
+std::vector<double> volume_numbers(const ContinuumRecord& record)
+{
+  std::vector<double> numbers;
+  for (const VolumeReading& r : record.volumes)
+    numbers.insert(numbers.end(), {r.time, r.n_broken, r.n_bonds, r.n_live, r.n_points,
+                                   r.strength_use, r.n_failed});
+  return numbers;
+}
+
+void restore_volumes(ContinuumRecord& record, const std::vector<double>& n)
+{
+  for (std::size_t k = 0; k + 6 < n.size(); k += 7)
+    record.volumes.push_back({n[k], n[k + 1], n[k + 2], n[k + 3], n[k + 4], n[k + 5], n[k + 6]});
 }
 
 void write_all(dem::Hdf5File& file, const LoadedScene& scene, const std::filesystem::path& folder,
@@ -95,6 +121,7 @@ void write_all(dem::Hdf5File& file, const LoadedScene& scene, const std::filesys
   }
   file.write_text("record/field_files", names);
   file.write("record/field_times", times, "s");
+  file.write("record/volumes", volume_numbers(stored.record), "SI");
   file.write("record/probe_times", stored.record.probe_times, "s");
   file.write("record/probe_readings", probe_numbers(stored.record), "SI");
 }
@@ -109,6 +136,8 @@ std::string continuum_fingerprint(const LoadedScene& scene)
     names.push_back(region.second);
   if (v.body.shape == BodyShape::file)
     names.push_back(v.body.mesh_file);
+  if (has_volumes(v) && scene.scene->element.source == ElementSource::file)
+    names.push_back(scene.scene->specimen.file);
   std::string all;
   for (const std::string& name : names)
     if (!name.empty())
@@ -164,6 +193,7 @@ StoredContinuum read_continuum_checkpoint(const dem::Hdf5File& file)
   const std::vector<double> times = file.read_doubles("record/field_times");
   for (std::size_t k = 0; k < times.size(); ++k)
     stored.record.fields.emplace_back(times[k], names.at(k));
+  restore_volumes(stored.record, file.read_doubles("record/volumes"));
   stored.record.probe_times = file.read_doubles("record/probe_times");
   restore_probes(stored.record, file.read_doubles("record/probe_readings"));
   return stored;

@@ -46,6 +46,17 @@ void declare_body(Schema& s, ContinuumInput::Body& v)
       {{"bonded", PlatenKind::bonded}, {"frictionless", PlatenKind::frictionless}}, "bonded",
       "Rigid platens at bottom and top, for all tests but boundary loads: glued, or without "
       "friction.");
+  s.choice<MaterialChoice>(
+      "Material", v.material,
+      {{"law file", MaterialChoice::law_file},
+       {"law only", MaterialChoice::law_only},
+       {"adaptive", MaterialChoice::adaptive},
+       {"all live", MaterialChoice::all_live}},
+      "law file",
+      "law file: the key Law. The others make each point a volume of bonded spheres (sections "
+      "Volumes, Specimen, Bonds, Strength). law only: its exact law, nothing breaks. adaptive: "
+      "its bonds break; it stays on its law until the first one does. all live: every bond of "
+      "every volume is looked at in every step, to check adaptive.");
   s.words("Law", v.law_file, "",
           "Law file (.law) of the body, from 'mastic extract', 'mastic fit' or 'mastic calibrate'; "
           "of all regions that have no section of their own.");
@@ -99,6 +110,27 @@ void declare_solver(Schema& s, ContinuumInput& v)
                "Refine again at these times; the state is carried over.");
 }
 
+void declare_volumes(Schema& s, ContinuumInput::Volumes& v)
+{
+  s.section("Volumes",
+            "The volumes of bonded spheres that the points of a body are (Body/Material). "
+            "Source and Edges are those of the section Volume element.");
+  s.integer("Particles", v.n_particles, "200", between(1, 1000000), "Of each volume.");
+  s.integer("Families", v.n_families, "1", between(0, 1000000),
+            "Different volumes, with packings and strengths from Specimen/Seed and Strength/Seed "
+            "on, dealt to the points at random. 0: each point has one of its own.");
+  s.choice<SofteningChoice>(
+      "Softening", v.softening,
+      {{"scaled", SofteningChoice::scaled}, {"as it is", SofteningChoice::as_it_is}}, "scaled",
+      "Breaking gathers in a band as wide as a volume. scaled: a point of another size is a volume "
+      "in series with (or short of) intact material, so that the energy per area of the band does "
+      "not depend on the mesh. as it is: the point is the volume; refused unless their sizes agree "
+      "within 25 %.");
+  s.number("Breakage tolerance", v.breakage_tolerance, "1e-6", Bounds{0, 0.5, false, true},
+           "Bonds that are this share below their strength, or below the most loaded one, break "
+           "with it; larger is faster.");
+}
+
 void declare_probes(Schema& s, ContinuumInput::Probes& v)
 {
   s.section("Probes", "Places of a continuum whose displacement, strain and stress are recorded.");
@@ -123,6 +155,7 @@ void declare(Schema& s, ContinuumInput& v, const std::vector<std::string>& bound
     s.words("Law", v.regions[name], "", "Law file (.law).");
   }
   declare_solver(s, v);
+  declare_volumes(s, v.volumes);
   declare_probes(s, v.probes);
 }
 

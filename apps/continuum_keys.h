@@ -15,6 +15,14 @@ enum class BodyShape { cylinder, hollow_cylinder, box, disc, hollow_sphere, file
 enum class BodySection { solid, meridian };
 enum class CellKind { hexahedra, tetrahedra };
 enum class PlatenKind { bonded, frictionless };
+/// What the points of a body are.
+enum class MaterialChoice {
+  law_file, ///< creep laws from files
+  law_only, ///< the law of intact volume elements
+  adaptive, ///< volume elements that break; on their law until they do
+  all_live  ///< volume elements that break, every one looked at in every step
+};
+enum class SofteningChoice { scaled, as_it_is };
 enum class TimeSchemeChoice { automatic, stress_linear, strain_linear };
 
 /// What acts on a boundary of a body: section "Boundary NAME".
@@ -38,6 +46,7 @@ struct ContinuumInput {
     double cell_size; ///< [m]
     long n_refinements;
     PlatenKind platens;
+    MaterialChoice material;
     std::string law_file;
     double density; ///< for the weight [kg/m^3]
   } body;
@@ -54,12 +63,32 @@ struct ContinuumInput {
   double refined_share;
   std::vector<double> refinement_times; ///< [s]
 
+  struct Volumes {
+    long n_particles; ///< of a volume
+    long n_families;  ///< 0: a volume of its own for each point
+    SofteningChoice softening;
+    double breakage_tolerance;
+  } volumes;
+
   struct Probes {
     std::vector<double> points;             ///< three coordinates each [m]
     std::vector<double> line_from, line_to; ///< [m]
     long n_line_points;
   } probes;
 };
+
+/// Whether the points of the body are volume elements.
+inline bool has_volumes(const ContinuumInput& input)
+{
+  return input.body.material != MaterialChoice::law_file;
+}
+
+/// Whether they break.
+inline bool breaks(const ContinuumInput& input)
+{
+  return input.body.material == MaterialChoice::adaptive ||
+         input.body.material == MaterialChoice::all_live;
+}
 
 /// \param boundaries, regions  names of the sections to declare
 void declare(Schema& schema, ContinuumInput& input, const std::vector<std::string>& boundaries,

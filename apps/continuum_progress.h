@@ -1,11 +1,13 @@
 #pragma once
 #include "apps/continuum_body.h"
 #include "apps/continuum_record.h"
+#include "apps/continuum_volumes.h"
 #include "apps/ranks.h"
 #include "dem/loading.h"
 #include "fem/cell_states.h"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 namespace apps {
@@ -15,22 +17,27 @@ template <int dim>
 struct ContinuumInProgress {
   const LoadedScene& scene;
   const Ranks& ranks;
-  BodyLaws laws;
-  fem::Mesh<dim> mesh;
+  std::filesystem::path packings{}; ///< where grown volumes are kept; empty: nowhere
+  int n_threads = 1;                ///< for volumes
+  bool trial = false;               ///< only to see whether it can be made
+  BodyLaws laws{};
+  fem::Mesh<dim> mesh{};
   Face face{};
-  dem::Loading loading;
-  fem::History history;
-  fem::TimeScheme scheme;
-  std::vector<fem::Vec3> places; ///< of the probes
+  dem::Loading loading{};
+  fem::History history{};
+  fem::TimeScheme scheme{};
+  std::vector<fem::Vec3> places{}; ///< of the probes
 
-  std::optional<fem::Specimen<dim>> specimen;
-  std::optional<fem::MaterialPoints> points;
-  std::optional<fem::Probes<dim>> probes;
-  fem::MarchState march;
+  std::optional<fem::Specimen<dim>> specimen{};
+  std::unique_ptr<fem::MaterialPoints> points{};
+  const coupling::VolumePoints* volumes = nullptr; ///< the points, if they are volumes that break
+  std::vector<int> law_of_point{};
+  std::optional<fem::Probes<dim>> probes{};
+  fem::MarchState march{};
   double elastic_compliance = 0;         ///< of the platens [m/N]
   double last_time = 0, last_motion = 0; ///< before the last step [s], [m]
 
-  ContinuumRecord record;
+  ContinuumRecord record{};
   std::size_t n_recorded = 0; ///< stops that are done
   double wall_time = 0;       ///< [s]
 };

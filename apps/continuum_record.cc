@@ -44,9 +44,12 @@ std::string statistics(const fem::MarchState& march)
   return fmt::format(
       "{} time steps, {} of them tried again smaller; {} linear solves, {} "
       "iterations, {} matrices with their multigrid; estimated error of the time steps "
-      "together {:.2g}",
+      "together {:.2g}{}",
       march.n_steps, march.n_rejected, march.n_solves, march.n_iterations, march.n_assemblies,
-      march.error_sum);
+      march.error_sum,
+      march.n_changes > 0
+          ? fmt::format("; {} times equilibrium anew after breakages", march.n_changes)
+          : "");
 }
 
 void write_continuum_results(const ContinuumResult& r, const std::filesystem::path& folder)
@@ -60,8 +63,8 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
   set("solver", std::string("continuum"));
   set("solver_reason", std::string("the scene asks for it"));
   set("solver_statistics", statistics(r.march));
-  set("end", std::string("end of the load history"));
-  set("end_reason", std::string());
+  set("end", r.end);
+  set("end_reason", r.end_reason);
   set("wall_time_s", r.wall_time);
   set("control", std::string(r.by_displacement ? "displacement" : "force"));
   set("threads", double(r.size.n_ranks));
@@ -75,7 +78,7 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
   set("factorisations", double(r.march.n_assemblies));
   set("estimated_time_error", r.march.error_sum);
   set("estimated_values", std::string("none"));
-  set("bonds", 0.);
+  set("bonds", r.record.volumes.empty() ? 0. : r.record.volumes.back().n_bonds);
   set("sign", std::string("history: compression positive; probes and fields: tension positive"));
   file.write_text("scene/as_typed", r.scene.text);
   file.write_text("scene/resolved", r.scene.schema->print(false));
@@ -89,6 +92,13 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
     write_columns(file, "cycles", cycles);
     write_text_file(folder / "cycles.csv", csv(cycles));
   }
+  if (!r.record.volumes.empty()) {
+    const std::vector<Column> volumes = volume_columns(r.record.volumes);
+    write_columns(file, "volumes", volumes);
+    write_text_file(folder / "volumes.csv", csv(volumes));
+  }
+  if (r.damage)
+    write_damage(file, *r.damage);
   if (!r.modulus.empty()) {
     write_columns(file, "complex_modulus", r.modulus);
     write_text_file(folder / "complex_modulus.csv", csv(r.modulus));

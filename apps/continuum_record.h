@@ -1,9 +1,12 @@
 #pragma once
+#include "apps/body_damage.h"
+#include "apps/continuum_volumes.h"
 #include "apps/run_record.h"
 #include "fem/march.h"
 #include "fem/probes.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@ namespace apps {
 struct ContinuumRecord {
   std::vector<dem::Response> history;
   std::vector<std::pair<double, std::string>> fields;         ///< times [s] and ParaView files
+  std::vector<VolumeReading> volumes;                         ///< if the points are volumes
   std::vector<double> probe_times;                            ///< [s]
   std::vector<std::vector<fem::ProbeReading>> probe_readings; ///< by time, by place
 };
@@ -40,6 +44,8 @@ struct ContinuumResult {
   std::vector<std::string> laws;        ///< texts of the law files
   bool by_displacement;
   double wall_time; ///< [s]
+  std::string end, end_reason;
+  std::optional<BodyDamage> damage; ///< if the points are volumes
 };
 void write_continuum_results(const ContinuumResult& result, const std::filesystem::path& folder);
 

@@ -46,7 +46,17 @@ Stops stops_of(const Scene& scene, const dem::Loading& loading)
   return stops;
 }
 
-/// The history up to a stop, and the jump of the load there.
+/// Whether the test is over before its time: the body has come apart, or strained as far as asked.
+template <int dim>
+bool has_ended(const ContinuumInProgress<dim>& run)
+{
+  return run.march.has_lost ||
+         (run.volumes && run.face.platen &&
+          std::abs(motion(run)) >= run.scene.scene->load.strain_limit * run.face.length);
+}
+
+/// The history up to a stop, and the jump of the load there; to the end of the test at most.
+/// \return false if it was interrupted
 template <int dim>
 bool advance(ContinuumInProgress<dim>& run, double stop, Progress& progress,
              const std::filesystem::path& folder, double& last_checkpoint, double fraction)
@@ -55,12 +65,20 @@ bool advance(ContinuumInProgress<dim>& run, double stop, Progress& progress,
   const fem::StepSettings settings{scene.continuum.step_tolerance, scene.continuum.first_step, 3};
   const bool jump = dem::last_jump(run.loading, stop) == stop || stop == run.loading.points[0].time;
   const double to = jump ? std::nextafter(stop, 0.) : stop;
-  while (run.march.time < to) {
+  while (run.march.time < to && !has_ended(run)) {
     run.last_time = run.march.time;
     run.last_motion = motion(run);
+    const long n_changes = run.march.n_changes;
     fem::march_step(*run.specimen, *run.points, run.march, run.history, settings, to);
+    if (run.march.n_changes > n_changes && run.specimen->supports().driven)
+      run.elastic_compliance = 1 / run.specimen->drive_stiffness(); // of the jump after it
     progress.update(fraction,
-                    fmt::format("t = {:.4g} s, {} steps", run.march.time, run.march.n_steps));
+                    fmt::format("t = {:.4g} s, {} steps{}", run.march.time, run.march.n_steps,
+                                run.march.n_changes > 0
+                                    ? fmt::format(", {} breakages", run.march.n_changes)
+                                    : ""));
+    if (has_ended(run))
+      break;
     const bool due = progress.seconds() - last_checkpoint > scene.output.checkpoint_interval;
     const bool stopped = run.ranks.any(interrupted());
     if (stopped || run.ranks.any(due)) {
@@ -70,7 +88,7 @@ bool advance(ContinuumInProgress<dim>& run, double stop, Progress& progress,
     if (stopped)
       return false;
   }
-  if (jump && run.march.time <= stop) {
+  if (jump && run.march.time <= stop && !has_ended(run)) {
     run.march.time = stop;
     fem::apply_jump(*run.specimen, *run.points, run.march, run.history);
     if (run.specimen->supports().driven)
@@ -98,10 +116,13 @@ bool drive(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
       progress.finish();
       return false;
     }
-    if (Stops::holds(stops.history, stop))
+    const bool over = has_ended(run);
+    if (over || Stops::holds(stops.history, stop))
       record_history(run);
-    if (Stops::holds(stops.fields, stop))
+    if (over || Stops::holds(stops.fields, stop))
       record_fields(run, folder);
+    if (over)
+      break;
     if (Stops::holds(stops.refinements, stop))
       refine_now(run);
     run.n_recorded = k + 1;
@@ -124,7 +145,7 @@ std::vector<Column> modulus(const ContinuumInProgress<dim>& run)
     omegas.push_back(omega * shift);
     return std::complex<double>();
   });
-  const auto stiffness = fem::drive_stiffness(*run.specimen, run.laws.laws, run.points->laws(),
+  const auto stiffness = fem::drive_stiffness(*run.specimen, run.laws.laws, run.law_of_point,
                                               omegas, scene.continuum.solver_tolerance);
   std::size_t k = 0;
   return modulus_columns(
@@ -136,6 +157,26 @@ std::string name_of(fem::TimeScheme scheme)
   return scheme == fem::TimeScheme::stress_linear ? "stress linear" : "strain linear";
 }
 
+/// How a run has ended, and where.
+struct End {
+  dem::RunEnd kind;
+  std::string reason;
+};
+
+template <int dim>
+End end_of(const ContinuumInProgress<dim>& run)
+{
+  if (!has_ended(run))
+    return {dem::RunEnd::finished, ""};
+  if (!run.march.has_lost)
+    return {dem::RunEnd::strain_limit, fmt::format("strain limit at t = {:.6g} s", run.march.time)};
+  const fem::Vec3 place = most_strained_place(run);
+  return {dem::RunEnd::lost_equilibrium,
+          fmt::format("no equilibrium at t = {:.6g} s: bonds went on breaking; most strained at "
+                      "({:.3g}, {:.3g}, {:.3g}) mm",
+                      run.march.time, 1e3 * place[0], 1e3 * place[1], 1e3 * place[2])};
+}
+
 template <int dim>
 int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
            const RunOptions& options)
@@ -144,7 +185,7 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
   try {
     ended = drive(run, folder, options);
   } catch (const std::runtime_error&) {
-    if (run.march.n_steps > 0)
+    if (run.march.n_steps > 0 && !run.march.has_lost)
       write_continuum_checkpoint(run, folder); // the last good state
     throw;
   }
@@ -156,6 +197,10 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
     return exit_interrupted;
   }
   const std::vector<Column> over_frequency = modulus(run);
+  const End end = end_of(run);
+  std::optional<BodyDamage> damage;
+  if (run.volumes)
+    damage = body_damage(run.specimen->elements(), *run.volumes);
   const long n_cells = long(run.mesh.cells->n_global_active_cells());
   const long n_unknowns = long(run.specimen->elements().dofs().n_dofs());
   if (!run.ranks.first())
@@ -167,23 +212,32 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
   const ContinuumSize size{n_cells, n_unknowns, scene.continuum.order, run.ranks.number(),
                            name_of(run.scheme)};
   say(run.ranks, "  " + statistics(run.march));
+  if (!run.record.volumes.empty()) {
+    const VolumeReading& last = run.record.volumes.back();
+    say(run.ranks, fmt::format("  {:.0f} of {:.0f} bonds broken, {:.0f} of {:.0f} points live",
+                               last.n_broken, last.n_bonds, last.n_live, last.n_points));
+  }
+  if (end.kind != dem::RunEnd::finished)
+    say(run.ranks, fmt::format("  ended early: {}", end.reason));
   say(run.ranks, fmt::format("  solved in {}", duration_text(run.wall_time)));
   if (const double strain = std::abs(run.record.history.back().strain);
       run.face.platen && strain > 0.02)
     say(run.ranks, fmt::format("  note: strains are taken as small; at {:.2g} % the change of "
                                "geometry that this leaves out is of that order",
                                100 * strain));
-  write_continuum_results(
-      {run.scene, run.face, run.record, run.march, size, run.places, over_frequency, laws,
-       run.loading.control == dem::Loading::Control::displacement, run.wall_time},
-      folder);
+  write_continuum_results({run.scene, run.face, run.record, run.march, size, run.places,
+                           over_frequency, laws,
+                           run.loading.control == dem::Loading::Control::displacement,
+                           run.wall_time, apps::name_of(end.kind), end.reason, std::move(damage)},
+                          folder);
   remove_checkpoints(folder);
   say(run.ranks, fmt::format("  results in {}", folder.string()));
   if (scene.output.plots)
     for (const std::string& figure : make_figures({folder}, folder))
       say(run.ranks, "  figure " + figure);
+  const int code = end.kind == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
   if (options.unchecked || !expects_anything(scene.expect))
-    return exit_ok;
+    return code;
   const std::vector<Check> checks =
       check_history(scene.expect, history_columns(run.face, run.record.history));
   return report_checks(checks, folder) ? exit_ok : exit_not_met;
@@ -196,39 +250,42 @@ int agreed(const Ranks& ranks, int code)
   return code;
 }
 
+/// Makes the body of a run before anything has happened.
+/// \param stored  names the cells of the mesh, if they are not those of the scene
+template <int dim>
+void begin(ContinuumInProgress<dim>& run, const StoredContinuum* stored)
+{
+  const Scene& scene = *run.scene.scene;
+  run.mesh = make_mesh<dim>(run.scene, run.ranks.all());
+  run.loading = make_loading(scene, 1, 1); // until the face is known
+  run.places = probe_places(scene.continuum.probes);
+  run.scheme = scheme_of(scene, run.loading);
+  run.march.time = run.loading.points.front().time;
+  if (stored)
+    fem::refine_to(run.mesh, stored->cells.names);
+  make_body(run);
+  const auto [low, high] = fem::extent(run.mesh);
+  run.face.platen = has_platens(scene);
+  run.face.length = scene.specimen.gauge_length.value_or(high[dim - 1] - low[dim - 1]);
+  run.face.area =
+      run.face.platen
+          ? run.specimen->elements().boundary_area(fem::boundary_id(run.mesh, std::string("top")))
+          : 1;
+  run.loading = make_loading(scene, run.face.area, run.face.length);
+  run.history = history_of(scene, run.loading, run.laws);
+  require_range(scene, run.laws, run.history.reduced_time(dem::end_time(run.loading)));
+}
+
 template <int dim>
 int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesystem::path& folder,
              const RunOptions& options, const StoredContinuum* stored)
 {
   const Scene& scene = *loaded.scene;
-  BodyLaws laws = read_laws(loaded);
   ContinuumInProgress<dim> run{.scene = loaded,
                                .ranks = ranks,
-                               .laws = std::move(laws),
-                               .mesh = make_mesh<dim>(loaded, ranks.all()),
-                               .loading = {},
-                               .history = {},
-                               .scheme = {},
-                               .places = probe_places(scene.continuum.probes),
-                               .specimen = {},
-                               .points = {},
-                               .probes = {},
-                               .march = {},
-                               .record = {}};
-  const auto [low, high] = fem::extent(run.mesh);
-  run.face.platen = has_platens(scene);
-  run.face.length = scene.specimen.gauge_length.value_or(high[dim - 1] - low[dim - 1]);
-  run.face.area = 1;
-  if (stored)
-    fem::refine_to(run.mesh, stored->cells.names);
-  run.scheme = scheme_of(scene, make_loading(scene, 1, 1));
-  make_body(run);
-  if (run.face.platen)
-    run.face.area =
-        run.specimen->elements().boundary_area(fem::boundary_id(run.mesh, std::string("top")));
-  run.loading = make_loading(scene, run.face.area, run.face.length);
-  run.history = history_of(scene, run.loading, run.laws);
-  require_range(scene, run.laws, run.history.reduced_time(dem::end_time(run.loading)));
+                               .packings = folder / "packings",
+                               .n_threads = options.n_threads};
+  begin(run, stored);
   if (stored) {
     fem::restore_cell_states(*run.specimen, *run.points, fem::own_states(run.mesh, stored->cells),
                              stored->drive_displacement);
@@ -240,10 +297,8 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
     run.last_time = stored->last_time;
     run.last_motion = stored->last_motion;
     run.wall_time = stored->wall_time;
-  } else {
-    run.march.time = run.loading.points.front().time;
+  } else
     refine_at_start(run);
-  }
   say(ranks, fmt::format("  {} cells of order {}, {} unknowns, {} rank{}; {} in a step{}",
                          run.mesh.cells->n_global_active_cells(), scene.continuum.order,
                          run.specimen->elements().dofs().n_dofs(), ranks.number(),
@@ -304,23 +359,8 @@ void check_continuum_files(const LoadedScene& scene)
 {
   const Ranks ranks;
   const auto check = [&]<int dim>(std::integral_constant<int, dim>) {
-    const fem::Mesh<dim> mesh = make_mesh<dim>(scene, ranks.all());
-    ContinuumInProgress<dim> run{.scene = scene,
-                                 .ranks = ranks,
-                                 .laws = read_laws(scene),
-                                 .mesh = mesh,
-                                 .loading = make_loading(*scene.scene, 1, 1),
-                                 .history = {},
-                                 .scheme = {},
-                                 .places = probe_places(scene.scene->continuum.probes),
-                                 .specimen = {},
-                                 .points = {},
-                                 .probes = {},
-                                 .march = {},
-                                 .record = {}};
-    make_body(run);
-    require_range(*scene.scene, run.laws,
-                  reduced_time(*scene.scene, run.laws)(dem::end_time(run.loading)));
+    ContinuumInProgress<dim> run{.scene = scene, .ranks = ranks, .trial = true};
+    begin(run, nullptr);
   };
   if (scene.scene->continuum.body.section == BodySection::meridian)
     check(std::integral_constant<int, 2>());

@@ -2,6 +2,7 @@
 
 #include "apps/files.h"
 #include "fem/field_files.h"
+#include "fem/law_points.h"
 #include "fem/refinement.h"
 
 #include <fmt/format.h>
@@ -46,6 +47,8 @@ void say(const Ranks& ranks, const std::string& line)
 
 fem::TimeScheme scheme_of(const Scene& scene, const dem::Loading& loading)
 {
+  if (breaks(scene.continuum))
+    return fem::TimeScheme::stress_linear;
   if (scene.continuum.scheme != TimeSchemeChoice::automatic)
     return scene.continuum.scheme == TimeSchemeChoice::stress_linear
                ? fem::TimeScheme::stress_linear
@@ -78,6 +81,52 @@ std::vector<fem::Vec3> probe_places(const ContinuumInput::Probes& v)
   return places;
 }
 
+namespace {
+
+/// The law files of a scene and the number of each point's law.
+template <int dim>
+void take_law_files(ContinuumInProgress<dim>& run)
+{
+  run.laws = read_laws(run.scene);
+  const std::map<dealii::types::material_id, int> numbers = law_of_region(run.mesh, run.laws);
+  bool without = false;
+  for (const auto region : run.specimen->elements().regions()) {
+    const auto found = numbers.find(region);
+    without = without || (found == numbers.end() && !run.laws.region.front().empty());
+    run.law_of_point.push_back(found == numbers.end() ? 0 : found->second);
+  }
+  if (run.ranks.any(without))
+    throw std::invalid_argument("Body/Law: some cells belong to no 'Region NAME', so that a Law "
+                                "for them is needed");
+}
+
+/// The points of the body in the virgin state.
+template <int dim>
+void make_points(ContinuumInProgress<dim>& run)
+{
+  const Scene& scene = *run.scene.scene;
+  run.law_of_point.clear();
+  if (!has_volumes(scene.continuum))
+    take_law_files(run);
+  else {
+    BodyVolumes volumes = make_volumes(run.scene, run.ranks, run.specimen->elements(), run.packings,
+                                       run.n_threads, run.trial);
+    run.laws = laws_of(scene, volumes.families);
+    run.law_of_point = volumes.family_of_point;
+    if (breaks(scene.continuum)) {
+      auto points = std::make_unique<coupling::VolumePoints>(
+          std::move(volumes.families), std::move(volumes.family_of_point),
+          std::move(volumes.size_ratio), volume_settings(scene, run.n_threads), run.march.time);
+      run.volumes = points.get();
+      run.points = std::move(points);
+      return;
+    }
+  }
+  run.points = std::make_unique<fem::LawPoints>(run.laws.laws, run.law_of_point, run.scheme);
+}
+
+} // namespace
+
 template <int dim>
 void make_body(ContinuumInProgress<dim>& run)
 {
@@ -86,18 +135,7 @@ void make_body(ContinuumInProgress<dim>& run)
   run.probes.reset();
   run.specimen.emplace(run.mesh, fem::Discretisation{int(v.order), v.dilatation}, body_loads(scene),
                        v.solver_tolerance);
-  const std::map<dealii::types::material_id, int> numbers = law_of_region(run.mesh, run.laws);
-  std::vector<int> law_of_point;
-  bool without = false;
-  for (const auto region : run.specimen->elements().regions()) {
-    const auto found = numbers.find(region);
-    without = without || (found == numbers.end() && !run.laws.region.front().empty());
-    law_of_point.push_back(found == numbers.end() ? 0 : found->second);
-  }
-  if (run.ranks.any(without))
-    throw std::invalid_argument("Body/Law: some cells belong to no 'Region NAME', so that a Law "
-                                "for them is needed");
-  run.points.emplace(run.laws.laws, std::move(law_of_point), run.scheme);
+  make_points(run);
   if (!run.places.empty())
     run.probes.emplace(*run.specimen, run.places);
 }
@@ -114,7 +152,7 @@ void refine_at_start(ContinuumInProgress<dim>& run)
   history.load = [&](double) { return load_state(scene, run.loading, largest); };
   for (long k = 0; k < scene.continuum.n_adaptive_refinements; ++k) {
     fem::MarchState elastic;
-    fem::apply_jump(*run.specimen, *run.points, elastic, history);
+    fem::apply_jump(*run.specimen, *run.points, elastic, history); // breaks what it must
     fem::refine(run.mesh, *run.specimen, *run.points, scene.continuum.refined_share);
     make_body(run);
   }
@@ -141,6 +179,30 @@ double motion(const ContinuumInProgress<dim>& run)
 }
 
 template <int dim>
+fem::Vec3 most_strained_place(const ContinuumInProgress<dim>& run)
+{
+  const fem::Elements<dim>& elements = run.specimen->elements();
+  double most = -1;
+  fem::Vec3 place = fem::Vec3::Zero();
+  std::size_t q = 0;
+  for (const auto& cell : elements.dofs().active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (std::size_t k = 0; k < elements.points_per_cell(); ++k, ++q)
+        if (const double strain = run.points->strain()[q].norm(); strain > most) {
+          most = strain;
+          for (int c = 0; c < dim; ++c)
+            place[c] = cell->center()[unsigned(c)];
+        }
+  struct {
+    double value;
+    int rank;
+  } own{most, int(dealii::Utilities::MPI::this_mpi_process(run.ranks.all()))}, all;
+  MPI_Allreduce(&own, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, run.ranks.all());
+  MPI_Bcast(place.data(), 3, MPI_DOUBLE, all.rank, run.ranks.all());
+  return place;
+}
+
+template <int dim>
 void record_history(ContinuumInProgress<dim>& run)
 {
   const bool platens = has_platens(*run.scene.scene);
@@ -152,6 +214,10 @@ void record_history(ContinuumInProgress<dim>& run)
   row.strain_rate = span > 0 ? (now - run.last_motion) / span / run.face.length : 0;
   row.strength_factor = std::numeric_limits<double>::infinity();
   row.compliance = run.elastic_compliance;
+  if (run.volumes) {
+    run.record.volumes.push_back(volume_reading(*run.volumes, run.ranks, run.march.time));
+    row.n_broken = long(run.record.volumes.back().n_broken);
+  }
   run.record.history.push_back(row);
   if (run.probes) {
     run.record.probe_times.push_back(run.march.time);
@@ -168,7 +234,10 @@ void record_fields(ContinuumInProgress<dim>& run, const std::filesystem::path& f
   if (run.ranks.first())
     make_folder(folder / "paraview");
   MPI_Barrier(run.ranks.all());
-  fem::write_fields(folder / "paraview" / name, *run.specimen, *run.points);
+  std::vector<fem::CellField> volumes;
+  if (run.volumes)
+    volumes = volume_fields(*run.volumes, run.specimen->elements().points_per_cell());
+  fem::write_fields(folder / "paraview" / name, *run.specimen, *run.points, volumes);
   run.record.fields.emplace_back(run.march.time, name);
   if (run.ranks.first())
     fem::write_series(folder / "paraview" / "body.pvd", run.record.fields);
@@ -184,6 +253,8 @@ template void record_history(ContinuumInProgress<2>&);
 template void record_history(ContinuumInProgress<3>&);
 template void record_fields(ContinuumInProgress<2>&, const std::filesystem::path&);
 template void record_fields(ContinuumInProgress<3>&, const std::filesystem::path&);
+template fem::Vec3 most_strained_place(const ContinuumInProgress<2>&);
+template fem::Vec3 most_strained_place(const ContinuumInProgress<3>&);
 template double motion(const ContinuumInProgress<2>&);
 template double motion(const ContinuumInProgress<3>&);
 

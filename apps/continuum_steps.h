@@ -32,6 +32,10 @@ void refine_now(ContinuumInProgress<dim>& run);
 template <int dim>
 double motion(const ContinuumInProgress<dim>& run);
 
+/// Middle of the cell whose points are strained most, of all ranks [m].
+template <int dim>
+fem::Vec3 most_strained_place(const ContinuumInProgress<dim>& run);
+
 /// Appends the present state to the history and to the readings of the probes.
 template <int dim>
 void record_history(ContinuumInProgress<dim>& run);

@@ -12,7 +12,7 @@
 namespace apps {
 
 /// The order in which stiffness falls.
-constexpr std::array all_conditions{
+inline constexpr std::array all_conditions{
     dem::BoundaryCondition::affine, dem::BoundaryCondition::kinematic,
     dem::BoundaryCondition::periodic, dem::BoundaryCondition::uniform_traction};
 

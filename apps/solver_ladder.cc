@@ -48,9 +48,32 @@ Rung continuum_rung(const std::string& knob, const Scene& scene, double cells, d
            "Continuum/Step tolerance = " + shortest(tolerance)}};
 }
 
+/// Volumes of a kind at the points of a continuum, at a factor of the scene's breakage tolerance.
+Rung volume_rung(const char* material, const Scene& scene, double factor)
+{
+  const double tolerance =
+      rounded(std::min(0.5, factor * scene.continuum.volumes.breakage_tolerance));
+  return {"continuum",
+          fmt::format("breakage tolerance ({})", material),
+          tolerance,
+          {fmt::format("Body/Material = {}", material),
+           "Volumes/Breakage tolerance = " + shortest(tolerance)}};
+}
+
+/// The law of the volumes, volumes that break over their tolerance, and every volume live.
+std::vector<Ladder> volume_ladders(const Scene& scene)
+{
+  Ladder adaptive;
+  for (const double factor : {10., 5., 2., 1., 0.5})
+    adaptive.push_back(volume_rung("adaptive", scene, factor));
+  return {{volume_rung("law only", scene, 1)}, adaptive, {volume_rung("all live", scene, 1)}};
+}
+
 /// Over the size of the cells, and over the tolerance of the time steps.
 std::vector<Ladder> continuum_ladders(const Scene& scene)
 {
+  if (breaks(scene.continuum))
+    return volume_ladders(scene);
   Ladder cells, steps;
   for (const double factor : {4., 2.8, 2., 1.4, 1., 0.7})
     cells.push_back(continuum_rung("cell size in mm", scene, factor, 1));
@@ -129,6 +152,8 @@ Rung plain_rung(const std::string& solver)
 
 Rung finest(const Scene& scene)
 {
+  if (scene.solver == SolverChoice::continuum && breaks(scene.continuum))
+    return volume_rung("all live", scene, 0.1);
   if (scene.solver == SolverChoice::continuum)
     return continuum_rung("finest cell size in mm", scene, 0.5, 0.1);
   return quasistatic_rung("finest strain per step", scene, 0.1, 1);

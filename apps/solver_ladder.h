@@ -34,7 +34,8 @@ struct Rung {
 using Ladder = std::vector<Rung>;
 
 /// The ladders of a scene. Without strengths there is none over the breakage batch. A continuum is
-/// compared with itself, over the size of its cells and the tolerance of its time steps.
+/// compared with itself, over the size of its cells and the tolerance of its time steps; one of
+/// volumes that break over the breakage tolerance, and with their law and with all of them live.
 /// \throws std::invalid_argument for a solver that is not there
 std::vector<Ladder> solver_ladders(const Scene& scene, const LadderOptions& options);
 
@@ -43,7 +44,8 @@ Rung plain_rung(const std::string& solver);
 
 /// What the others are measured against where there is no exact answer: the implicit solver at a
 /// tenth of the scene's step and tolerance, breaking one bond at a time; a continuum on cells of
-/// half the size, at a tenth of the step tolerance.
+/// half the size, at a tenth of the step tolerance; volumes that break all live, at a tenth of the
+/// breakage tolerance.
 Rung finest(const Scene& scene);
 
 } // namespace apps

@@ -105,14 +105,19 @@ void bond_contacts(Specimen& specimen, const Scene::Specimen& v)
   specimen.bond_gap = pairs.gap;
 }
 
-dem::Strengths drawn_strengths(const Scene& scene, std::span<const std::int64_t> bond_id)
+} // namespace
+
+dem::Strengths drawn_strengths(const Scene& scene, std::span<const std::int64_t> bond_id,
+                               std::uint64_t seed)
 {
   const Scene::Strength& v = scene.strength;
   dem::StrengthLaw law{dem::WeibullStrength{v.modulus, v.scale}, v.rule, v.shear_ratio};
   if (v.kind == StrengthKind::normal)
     law.distribution = dem::NormalStrength{v.mean, v.standard_deviation};
-  return dem::draw_strengths(law, bond_id, std::uint64_t(v.seed));
+  return dem::draw_strengths(law, bond_id, seed);
 }
+
+namespace {
 
 /// That of the packing if it knows it, else that of the scene [m].
 double specimen_diameter(const LoadedScene& loaded, const Packing& packing)
@@ -277,7 +282,8 @@ Specimen make_specimen(const LoadedScene& loaded, const Packing& packing)
   if (scene.strength.kind == StrengthKind::none)
     assembly.strengths.reset();
   else if (!assembly.strengths)
-    assembly.strengths = drawn_strengths(scene, assembly.bonds.id);
+    assembly.strengths =
+        drawn_strengths(scene, assembly.bonds.id, std::uint64_t(scene.strength.seed));
   if (scene.load.test == TestKind::particle_loads) {
     if (packing.loads.empty())
       throw std::invalid_argument(fmt::format("{}: Test = particle loads, but no particle "

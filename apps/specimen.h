@@ -64,6 +64,11 @@ std::vector<dem::BondLaw> bond_laws(const Scene& scene, double shift);
 /// \throws std::invalid_argument for a class that no particle has
 std::vector<dem::PairLaw> pair_laws(const Scene& scene, const dem::Particles& particles);
 
+/// Strengths of bonds by the section Strength.
+/// \throws std::invalid_argument as dem::draw_strengths
+dem::Strengths drawn_strengths(const Scene& scene, std::span<const std::int64_t> bond_id,
+                               std::uint64_t seed);
+
 /// The bonded specimen with its strengths, and how it was bonded.
 struct Specimen {
   dem::Assembly assembly;

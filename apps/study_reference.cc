@@ -67,6 +67,11 @@ std::optional<StudyReference> exact_reference(const std::vector<StudyRow>& rows,
 
 StudyReference finest_reference(const LoadedScene& scene)
 {
+  if (scene.scene->solver == SolverChoice::continuum && breaks(scene.scene->continuum))
+    return {finest(*scene.scene),
+            "every volume live, at a tenth of the breakage tolerance, on the same mesh; its own "
+            "error is not known",
+            std::nullopt};
   if (scene.scene->solver == SolverChoice::continuum)
     return {finest(*scene.scene),
             "cells of half the size and a tenth of the step tolerance; its own error is not known",

@@ -89,6 +89,14 @@ void add_end_forces(const MacroNetwork& macro, std::size_t bond,
   }
 }
 
+Vec6 carried_stiffness(const MacroNetwork& macro, std::size_t bond,
+                       std::span<const double> law_stiffness)
+{
+  Vec6 stiffness = modal_stiffness(macro, bond, law_stiffness);
+  stiffness.tail(6 - n_modes(macro.status[bond])).setZero();
+  return stiffness;
+}
+
 Eigen::MatrixXd strain_loads(const MacroNetwork& macro, std::span<const double> law_stiffness)
 {
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(macro.n_dofs(), 6);
@@ -96,7 +104,7 @@ Eigen::MatrixXd strain_loads(const MacroNetwork& macro, std::span<const double> 
     if (macro.status[b] == BondStatus::gone)
       continue;
     const BondModes& modes = macro.bonds[b];
-    const Mat6 force = modal_stiffness(macro, b, law_stiffness).asDiagonal() * modes.strain;
+    const Mat6 force = carried_stiffness(macro, b, law_stiffness).asDiagonal() * modes.strain;
     add_end_forces(macro, b, modes.motion.transpose() * force, loads);
   }
   return loads;
@@ -107,7 +115,7 @@ Mat6 affine_energy(const MacroNetwork& macro, std::span<const double> law_stiffn
   Mat6 sum = Mat6::Zero();
   for (std::size_t b = 0; b < macro.bonds.size(); ++b)
     sum += macro.bonds[b].strain.transpose() *
-           modal_stiffness(macro, b, law_stiffness).asDiagonal() * macro.bonds[b].strain;
+           carried_stiffness(macro, b, law_stiffness).asDiagonal() * macro.bonds[b].strain;
   return sum;
 }
 
@@ -137,13 +145,24 @@ std::vector<Pin> rigid_motion_pins(const Clusters& clusters, const ElasticNetwor
   return pins;
 }
 
-MacroSolver::MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
-                         std::span<const double> law_stiffness)
+MacroSolver::MacroSolver(const MacroNetwork& macro)
     : pattern_(stiffness_pattern(macro.network)), factor_(pattern_)
 {
+}
+
+MacroSolver::MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
+                         std::span<const double> law_stiffness)
+    : MacroSolver(macro)
+{
+  if (!factorise(macro, pins, one_held_piece(macro.network.radius.size()), law_stiffness))
+    throw std::runtime_error("the stiffness matrix of the volume element is not positive definite");
+}
+
+bool MacroSolver::factorise(const MacroNetwork& macro, std::span<const Pin> pins,
+                            const Pieces& pieces, std::span<const double> law_stiffness)
+{
   const ElasticNetwork network = with_stiffness(macro, law_stiffness);
-  values_ =
-      stiffness_values(network, pattern_, macro.status, one_held_piece(network.radius.size()));
+  values_ = stiffness_values(network, pattern_, macro.status, pieces);
   const double spring = mean_normal_stiffness(network);
   for (const auto& [particle, rotation] : pins)
     for (int k = 0; k < 3; ++k) {
@@ -152,8 +171,7 @@ MacroSolver::MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
       for (int row = k; row < 3; ++row) // a column holds its rows from the diagonal on
         values_[pattern_.column_start[first + 3 + k] + row - k] += spring * rotation(row, k);
     }
-  if (pattern_.size() > 0 && !factor_.factorise(values_))
-    throw std::runtime_error("the stiffness matrix of the volume element is not positive definite");
+  return pattern_.size() == 0 || factor_.factorise(values_);
 }
 
 Eigen::MatrixXd MacroSolver::product(const Eigen::MatrixXd& dofs) const

@@ -1,4 +1,5 @@
 #pragma once
+#include "dem/connectivity.h"
 #include "dem/mandel.h"
 #include "dem/supernodal_factor.h"
 #include "dem/volume_element.h"
@@ -47,6 +48,10 @@ inline Vec6 modal_stiffness(const MacroNetwork& macro, std::size_t bond,
   return law_stiffness[macro.law[bond]] * macro.bonds[bond].weight;
 }
 
+/// The same for what the status of the bond leaves of its modes.
+Vec6 carried_stiffness(const MacroNetwork& macro, std::size_t bond,
+                       std::span<const double> law_stiffness);
+
 /// Nodal forces that hold the particles still under six unit mean strains; n_dofs x 6 [N].
 Eigen::MatrixXd strain_loads(const MacroNetwork& macro, std::span<const double> law_stiffness);
 
@@ -72,6 +77,15 @@ std::vector<Pin> rigid_motion_pins(const Clusters& clusters, const ElasticNetwor
 /// Factorised stiffness matrix of a macroscopic network.
 class MacroSolver {
 public:
+  /// Symbolic analysis only: it serves the network however it is damaged.
+  explicit MacroSolver(const MacroNetwork& macro);
+
+  /// Numeric factorisation for the network's present status.
+  /// \param pieces  loose pieces stand still, clamped ones get weak springs to ground
+  /// \return false if the matrix is not positive definite
+  bool factorise(const MacroNetwork& macro, std::span<const Pin> pins, const Pieces& pieces,
+                 std::span<const double> law_stiffness);
+
   /// \throws std::runtime_error if the matrix is not positive definite
   MacroSolver(const MacroNetwork& macro, std::span<const Pin> pins,
               std::span<const double> law_stiffness);

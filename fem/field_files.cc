@@ -44,13 +44,14 @@ const std::array<const char*, 6> names{"xx", "yy", "zz", "yz", "xz", "xy"};
 
 template <int dim>
 void write_fields(const std::filesystem::path& file, const Specimen<dim>& specimen,
-                  const MaterialPoints& points)
+                  const MaterialPoints& points, std::span<const CellField> others)
 {
   const Elements<dim>& elements = specimen.elements();
   const auto& cells = elements.dofs().get_triangulation();
   const std::vector<Vec6> strain = cell_means(elements, points.strain());
   const std::vector<Vec6> stress = cell_means(elements, points.stress());
-  std::vector<dealii::Vector<double>> columns(15, dealii::Vector<double>(cells.n_active_cells()));
+  std::vector<dealii::Vector<double>> columns(15 + others.size(),
+                                              dealii::Vector<double>(cells.n_active_cells()));
   std::size_t own = 0;
   for (const auto& cell : elements.dofs().active_cell_iterators())
     if (cell->is_locally_owned()) {
@@ -63,6 +64,8 @@ void write_fields(const std::filesystem::path& file, const Specimen<dim>& specim
       columns[12][at] = s.head<3>().mean();
       columns[13][at] = von_mises(stress[own]);
       columns[14][at] = double(cell->material_id());
+      for (std::size_t k = 0; k < others.size(); ++k)
+        columns[15 + k][at] = others[k].values[own];
       ++own;
     }
   dealii::DataOut<dim> output;
@@ -82,6 +85,8 @@ void write_fields(const std::filesystem::path& file, const Specimen<dim>& specim
   output.add_data_vector(columns[12], "mean_stress_Pa");
   output.add_data_vector(columns[13], "von_mises_stress_Pa");
   output.add_data_vector(columns[14], "region");
+  for (std::size_t k = 0; k < others.size(); ++k)
+    output.add_data_vector(columns[15 + k], others[k].name);
   dealii::DataOutBase::VtkFlags flags;
   flags.write_higher_order_cells = elements.discretisation().order > 1;
   output.set_flags(flags);
@@ -109,7 +114,9 @@ void write_series(const std::filesystem::path& file,
   std::filesystem::rename(temporary, file);
 }
 
-template void write_fields(const std::filesystem::path&, const Specimen<2>&, const MaterialPoints&);
-template void write_fields(const std::filesystem::path&, const Specimen<3>&, const MaterialPoints&);
+template void write_fields(const std::filesystem::path&, const Specimen<2>&, const MaterialPoints&,
+                           std::span<const CellField>);
+template void write_fields(const std::filesystem::path&, const Specimen<3>&, const MaterialPoints&,
+                           std::span<const CellField>);
 
 } // namespace fem

@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/compliance_law.h"
 #include "fem/specimen.h"
 
 #include <complex>

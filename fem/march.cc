@@ -4,17 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace fem {
 
 namespace {
 
-/// Solves a step, and counts what it took.
+/// Solves a step from the present time, and counts what it took.
 template <int dim>
 void attempt(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
-             const LoadState& load, double reduced_step)
+             const LoadState& load, double duration, double reduced_step)
 {
+  points.begin_step(state.time, duration);
   const StepReport report = specimen.solve_step(
       load, reduced_step, [&points](std::span<const Vec6> increment, double step) {
         return points.evaluate(increment, step);
@@ -36,15 +38,78 @@ double step_error(const Specimen<dim>& specimen, const MaterialPoints& points, d
   return largest > 0 ? std::sqrt(square) / largest : 0;
 }
 
+constexpr double strain_at_rupture = 0.5;
+
+double largest_strain(const MaterialPoints& points)
+{
+  double largest = 0;
+  for (const Vec6& strain : points.strain())
+    largest = std::max(largest, strain.norm());
+  return largest;
+}
+
+template <int dim>
+void commit(Specimen<dim>& specimen, MaterialPoints& points)
+{
+  points.commit();
+  specimen.commit();
+}
+
+/// Changes the points that are overloaded, most loaded first, and restores equilibrium, until none
+/// is.
+template <int dim>
+void settle(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
+            const LoadState& load)
+{
+  while (true) {
+    const double overload =
+        dealii::Utilities::MPI::max(points.overload(), specimen.elements().ranks());
+    if (overload < 1)
+      return;
+    points.change(overload);
+    ++state.n_changes;
+    try {
+      attempt(specimen, points, state, load, 0, 0);
+    } catch (const std::runtime_error&) { // on all ranks alike
+      state.has_lost = true;
+      return;
+    }
+    commit(specimen, points);
+    state.has_lost = dealii::Utilities::MPI::max(largest_strain(points),
+                                                 specimen.elements().ranks()) > strain_at_rupture;
+    if (state.has_lost)
+      return;
+  }
+}
+
+/// A step shortened to where the first point changes, if one does within it.
+/// \return its duration
+template <int dim>
+double shortened(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
+                 const History& history, double step)
+{
+  const double share =
+      dealii::Utilities::MPI::min(points.share_without_change(), specimen.elements().ranks());
+  if (share >= 1)
+    return step;
+  const double least = std::nextafter(state.time, std::numeric_limits<double>::max()) - state.time;
+  const double shorter = std::min(step, std::max(share * step, least));
+  const double end = state.time + shorter;
+  attempt(specimen, points, state, history.load(end), shorter,
+          history.reduced_time(end) - history.reduced_time(state.time));
+  return shorter;
+}
+
 } // namespace
 
 template <int dim>
 void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                 const History& history)
 {
-  attempt(specimen, points, state, history.load(state.time), 0);
-  points.commit();
-  specimen.commit();
+  const LoadState load = history.load(state.time);
+  attempt(specimen, points, state, load, 0, 0);
+  commit(specimen, points);
+  settle(specimen, points, state, load);
   state.next_step = 0;
 }
 
@@ -60,20 +125,22 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
     const bool last = h == way;
     const double end = last ? stop : state.time + h;
     const LoadState load = last ? history.load_before(stop) : history.load(end);
-    attempt(specimen, points, state, load,
+    attempt(specimen, points, state, load, h,
             history.reduced_time(end) - history.reduced_time(state.time));
     double size = state.size;
     const double error = step_error(specimen, points, size);
     if (error <= settings.tolerance) {
-      points.commit();
-      specimen.commit();
-      state.time = end;
+      const double held = shortened(specimen, points, state, history, h);
+      commit(specimen, points);
+      const bool whole = held == h;
+      state.time = whole ? end : state.time + held;
+      settle(specimen, points, state, whole ? load : history.load(state.time));
       state.error_sum += error;
       state.size = size;
       ++state.n_steps;
       const double next = next_step(h, error, settings);
-      // a step cut short by a stop says nothing against the size that was meant
-      state.next_step = last ? std::max(next, std::min(state.next_step, 3 * next)) : next;
+      // a step cut short says nothing against the size that was meant
+      state.next_step = last || !whole ? std::max(next, std::min(state.next_step, 3 * next)) : next;
       return;
     }
     ++state.n_rejected;

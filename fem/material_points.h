@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/step_law.h"
+#include "fem/types.h"
 
 #include <functional>
 #include <span>
@@ -27,58 +27,57 @@ struct StepError {
   double size_square = 0;
 };
 
-/// Committed and trial states of many points that follow creep laws.
+/// Committed and trial states of the points of a body: what the element code asks. Two kinds:
+/// points that follow creep laws (LawPoints), and points that are volumes of a finer model.
 class MaterialPoints {
 public:
-  /// Points in the virgin state.
-  /// \param laws          one or more
-  /// \param law_of_point  number of the law of each point
-  MaterialPoints(std::span<const ComplianceLaw> laws, std::vector<int> law_of_point,
-                 TimeScheme scheme);
+  virtual ~MaterialPoints() = default;
 
-  std::size_t size() const { return law_of_point_.size(); }
-  std::span<const int> laws() const { return law_of_point_; } ///< number of each point's law
+  virtual std::size_t size() const = 0;
+
+  /// Real time at the start of the next trial steps, and their duration [s]; 0 for a jump. The
+  /// steps that `evaluate` is given are of reduced time.
+  virtual void begin_step(double /*time*/, double /*duration*/) {}
 
   /// Trial states at the end of a step; the committed ones stay.
   /// \throws std::invalid_argument for a step that is negative or not finite
-  ConstitutiveAnswer evaluate(std::span<const Vec6> increment, double step);
+  virtual ConstitutiveAnswer evaluate(std::span<const Vec6> increment, double step) = 0;
 
-  /// The error of the step that was evaluated last, from the bend of the stress (or strain) path:
-  /// its slope against that of the step before. A parabola of that bend, m off the straight line in
-  /// the middle, gives 2/3 of what m held over the step gives. Third order in the step. After a
-  /// jump the slope before counts as zero; a jump itself has no error.
+  /// The error of the step that was evaluated last; a jump has none.
   /// \param weights  of the points
-  StepError step_error(std::span<const double> weights) const;
+  virtual StepError step_error(std::span<const double> weights) const = 0;
+
+  /// Share in (0, 1] of the trial step after which some point changes abruptly (a bond breaks): up
+  /// to there the answers hold.
+  virtual double share_without_change() { return 1; }
 
   /// The trial states become the committed ones.
-  void commit();
+  virtual void commit() = 0;
 
-  std::span<const Vec6> stress() const { return stress_; } ///< committed [Pa]
-  std::span<const Vec6> strain() const { return strain_; } ///< committed [-]
+  /// How far the most loaded point is beyond what it can bear in its committed state: it must
+  /// change where this is 1 or more.
+  virtual double overload() { return 0; }
+
+  /// Changes the points whose overload, as found last, is nearly the largest of all ranks; time
+  /// stands still. The next step must be a jump, which restores equilibrium.
+  virtual void change(double /*largest_overload*/) {}
+
+  virtual std::span<const Vec6> stress() const = 0; ///< committed [Pa]
+  virtual std::span<const Vec6> strain() const = 0; ///< committed [-]
 
   /// Size of the last committed step [s]; 0 at the start and after a jump.
-  double last_step() const { return last_step_; }
-  void set_last_step(double step) { last_step_ = step; }
+  virtual double last_step() const = 0;
+  virtual void set_last_step(double step) = 0;
 
   /// The state of a point as numbers, for storage and transfer.
-  std::size_t numbers_per_point() const { return 18 + n_internal_; }
-  void store(std::size_t point, std::span<double> numbers) const;
-  void restore(std::size_t point, std::span<const double> numbers);
+  virtual std::size_t numbers_per_point() const = 0;
+  virtual void store(std::size_t point, std::span<double> numbers) const = 0;
+  virtual void restore(std::size_t point, std::span<const double> numbers) = 0;
 
-private:
-  Vec6 trial_slope(std::size_t point) const;
-
-  std::vector<SteppableLaw> laws_;
-  std::vector<int> law_of_point_;
-  std::size_t n_internal_ = 0; ///< most of any law
-  std::vector<Vec6> strain_, stress_;
-  std::vector<Vec6> slope_; ///< of what is taken as linear, over the last step [1/s], [Pa/s]
-  std::vector<double> internal_;
-  double last_step_ = 0;
-
-  std::vector<StepOperator> steps_; ///< of the trial step, one per law
-  std::vector<Mat6> tangents_;
-  std::vector<Vec6> trial_stress_, trial_increment_;
+protected:
+  MaterialPoints() = default;
+  MaterialPoints(const MaterialPoints&) = default;
+  MaterialPoints& operator=(const MaterialPoints&) = default;
 };
 
 } // namespace fem

@@ -52,7 +52,7 @@ public:
   }
 
 private:
-  MaterialPoints points_;
+  LawPoints points_;
   std::array<bool, 6> strain_given_;
   double size_ = 0; ///< largest strain or stress so far
 };

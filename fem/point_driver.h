@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/material_points.h"
+#include "fem/law_points.h"
 #include "fem/step_size.h"
 
 #include <array>

@@ -34,6 +34,12 @@ double distortion(std::span<const Mat6> a, std::span<const Mat6> b)
     return std::numeric_limits<double>::infinity();
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (std::size_t k = 0; k < a.size(); ++k) {
+    if (const double factor = a[k].norm() / b[k].norm();
+        (a[k] - factor * b[k]).norm() <= same_tangent * a[k].norm()) {
+      least = std::min(least, factor);
+      most = std::max(most, factor);
+      continue;
+    }
     const Eigen::GeneralizedSelfAdjointEigenSolver<Mat6> solver(a[k], b[k], Eigen::EigenvaluesOnly);
     least = std::min(least, solver.eigenvalues()[0]);
     most = std::max(most, solver.eigenvalues()[5]);

@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/creep_compliance.h"
+#include "fem/law_points.h"
 #include "fem/specimen.h"
 
 #include <deal.II/base/quadrature_lib.h>
@@ -117,7 +118,7 @@ inline double last_order(const std::vector<double>& errors)
 template <int dim>
 struct Body {
   fem::Specimen<dim> specimen;
-  fem::MaterialPoints points;
+  fem::LawPoints points;
   std::vector<fem::StepReport> reports;
 
   Body(const fem::Mesh<dim>& mesh, const fem::Discretisation& discretisation,

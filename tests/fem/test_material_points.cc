@@ -1,4 +1,4 @@
-#include "fem/material_points.h"
+#include "fem/law_points.h"
 
 #include "fem/mandel.h"
 #include "fem/relaxation_law.h"
@@ -16,7 +16,7 @@ constexpr TimeScheme creep = TimeScheme::stress_linear, relaxation = TimeScheme:
 
 /// One point without a body, led through strains or through stresses.
 struct Point {
-  MaterialPoints states;
+  LawPoints states;
   double estimate = 0; ///< of the error of the last step: of strains, or of stresses
 
   Point(const ComplianceLaw& law, TimeScheme scheme) : states(std::span(&law, 1), {0}, scheme) {}

@@ -1,12 +1,12 @@
-#include "fem/material_points.h"
+#include "fem/law_points.h"
 
 #include <algorithm>
 #include <cassert>
 
 namespace fem {
 
-MaterialPoints::MaterialPoints(std::span<const ComplianceLaw> laws, std::vector<int> law_of_point,
-                               TimeScheme scheme)
+LawPoints::LawPoints(std::span<const ComplianceLaw> laws, std::vector<int> law_of_point,
+                     TimeScheme scheme)
     : law_of_point_(std::move(law_of_point))
 {
   for (const ComplianceLaw& law : laws) {
@@ -19,7 +19,7 @@ MaterialPoints::MaterialPoints(std::span<const ComplianceLaw> laws, std::vector<
   internal_.assign(n * n_internal_, 0);
 }
 
-ConstitutiveAnswer MaterialPoints::evaluate(std::span<const Vec6> increment, double step)
+ConstitutiveAnswer LawPoints::evaluate(std::span<const Vec6> increment, double step)
 {
   assert(increment.size() == size());
   if (steps_.empty() || steps_.front().step != step) {
@@ -42,14 +42,14 @@ ConstitutiveAnswer MaterialPoints::evaluate(std::span<const Vec6> increment, dou
 }
 
 /// Of the stress or the strain over the trial step.
-Vec6 MaterialPoints::trial_slope(std::size_t point) const
+Vec6 LawPoints::trial_slope(std::size_t point) const
 {
   if (laws_.front().scheme == TimeScheme::stress_linear)
     return (trial_stress_[point] - stress_[point]) / steps_.front().step;
   return trial_increment_[point] / steps_.front().step;
 }
 
-StepError MaterialPoints::step_error(std::span<const double> weights) const
+StepError LawPoints::step_error(std::span<const double> weights) const
 {
   StepError error;
   const double h = steps_.front().step;
@@ -67,7 +67,7 @@ StepError MaterialPoints::step_error(std::span<const double> weights) const
   return error;
 }
 
-void MaterialPoints::commit()
+void LawPoints::commit()
 {
   const double h = steps_.front().step;
   for (std::size_t q = 0; q < size(); ++q) {
@@ -82,7 +82,7 @@ void MaterialPoints::commit()
   last_step_ = h;
 }
 
-void MaterialPoints::store(std::size_t point, std::span<double> numbers) const
+void LawPoints::store(std::size_t point, std::span<double> numbers) const
 {
   assert(numbers.size() == numbers_per_point());
   auto to = numbers.begin();
@@ -91,7 +91,7 @@ void MaterialPoints::store(std::size_t point, std::span<double> numbers) const
   std::copy_n(internal_.begin() + long(point * n_internal_), n_internal_, to);
 }
 
-void MaterialPoints::restore(std::size_t point, std::span<const double> numbers)
+void LawPoints::restore(std::size_t point, std::span<const double> numbers)
 {
   assert(numbers.size() == numbers_per_point());
   auto from = numbers.begin();

@@ -1,0 +1,219 @@
+#include "apps/continuum_volumes.h"
+
+#include "apps/element_realisations.h"
+#include "apps/files.h"
+#include "apps/specimen.h"
+#include "coupling/extraction.h"
+#include "dem/random.h"
+#include "dem/realisations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+namespace apps {
+
+namespace {
+
+constexpr double size_agreement = 1.25;
+
+/// A number that stands for a point whatever the ranks: of the name of its cell and its place.
+std::uint64_t point_key(const std::string& cell, std::size_t point)
+{
+  std::uint64_t sum = 14695981039346656037ULL; // FNV-1a
+  for (const char c : cell + fmt::format("/{}", point))
+    sum = (sum ^ std::uint64_t(static_cast<unsigned char>(c))) * 1099511628211ULL;
+  const auto words = dem::philox({std::uint32_t(sum), std::uint32_t(sum >> 32), 0, 0}, {0, 0});
+  return std::uint64_t(words[0]) << 32 | words[1];
+}
+
+/// How far the seeds of each point's volume are from those of the scene.
+template <int dim>
+std::vector<std::uint64_t> seed_offsets(const fem::Elements<dim>& elements, long n_families)
+{
+  std::vector<std::uint64_t> offsets;
+  for (const auto& cell : elements.dofs().active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (std::size_t q = 0; q < elements.points_per_cell(); ++q) {
+        const std::uint64_t key = point_key(cell->id().to_string(), q);
+        offsets.push_back(n_families > 0 ? key % std::uint64_t(n_families) : key >> 33);
+      }
+  return offsets;
+}
+
+coupling::VolumeFamily make_one(const LoadedScene& loaded, PackingStore& store,
+                                std::uint64_t offset)
+{
+  const Scene& scene = *loaded.scene;
+  const bool grown = scene.element.source == ElementSource::grow;
+  dem::VolumeElement element =
+      make_element(loaded,
+                   {grown ? std::size_t(scene.continuum.volumes.n_particles) : 0,
+                    std::uint64_t(scene.specimen.seed) + offset, false},
+                   store);
+  dem::Strengths strengths;
+  const bool can_break = breaks(scene.continuum);
+  if (!can_break) {
+    strengths.normal.assign(element.bonds.size(), std::numeric_limits<double>::infinity());
+    strengths.shear = strengths.normal;
+  } else
+    strengths =
+        drawn_strengths(scene, element.bonds.id, std::uint64_t(scene.strength.seed) + offset);
+  return coupling::make_family(std::move(element), std::move(strengths),
+                               can_break ? scene.after_breakage : dem::AfterBreakage::leave);
+}
+
+/// Edges of the points' elements: of the cell, over the order of its functions [m].
+template <int dim>
+std::vector<double> point_edges(const fem::Elements<dim>& elements)
+{
+  std::vector<double> edges;
+  for (const auto& cell : elements.dofs().active_cell_iterators())
+    if (cell->is_locally_owned())
+      edges.insert(edges.end(), elements.points_per_cell(),
+                   std::pow(cell->measure(), 1. / dim) / elements.discretisation().order);
+  return edges;
+}
+
+} // namespace
+
+template <int dim>
+BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
+                         const fem::Elements<dim>& elements, const std::filesystem::path& packings,
+                         int n_threads, bool trial)
+{
+  const Scene& scene = *loaded.scene;
+  const ContinuumInput::Volumes& v = scene.continuum.volumes;
+  const std::vector<std::uint64_t> offsets =
+      trial ? std::vector<std::uint64_t>(elements.n_points(), 0)
+            : seed_offsets(elements, v.n_families);
+  std::map<std::uint64_t, int> number;
+  for (const std::uint64_t each : offsets)
+    number.emplace(each, 0);
+  std::vector<std::uint64_t> needed;
+  for (auto& [offset, k] : number) {
+    k = int(needed.size());
+    needed.push_back(offset);
+  }
+  BodyVolumes result;
+  for (const std::uint64_t each : offsets)
+    result.family_of_point.push_back(number.at(each));
+  PackingStore store{ranks.first() ? packings : std::filesystem::path(), {}}; // one writer
+  if (!store.folder.empty())
+    make_folder(store.folder);
+  result.families.resize(needed.size());
+  dem::for_each_realisation(int(needed.size()), n_threads, [&](int k) {
+    result.families[std::size_t(k)] = make_one(loaded, store, needed[std::size_t(k)]);
+  });
+  const std::vector<double> edges = point_edges(elements);
+  for (std::size_t q = 0; q < edges.size(); ++q) {
+    const double edge =
+        std::cbrt(result.families[std::size_t(result.family_of_point[q])].element->volume());
+    result.size_ratio.push_back(v.softening == SofteningChoice::scaled ? edge / edges[q] : 1);
+    const double ratio = edge / edges[q];
+    if (v.softening == SofteningChoice::as_it_is && breaks(scene.continuum) &&
+        (ratio > size_agreement || ratio < 1 / size_agreement))
+      throw std::invalid_argument(fmt::format(
+          "Volumes/Softening = as it is: a volume is {:.3g} mm wide and an element of the mesh "
+          "{:.3g} mm; what breaks would dissipate by the mesh. Use scaled, or other sizes",
+          1e3 * edge, 1e3 * edges[q]));
+  }
+  return result;
+}
+
+BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& families)
+{
+  BodyLaws laws;
+  for (const coupling::VolumeFamily& family : families) {
+    fem::LawRecord record;
+    record.law =
+        coupling::proportional_law(dem::compliance(family.stiffness()), family.element->creep());
+    record.reference_temperature = scene.temperature.reference;
+    record.last_time = 1e30; // exact for all times
+    record.provenance.push_back("exact, of an intact volume of the run");
+    laws.laws.push_back(record.law);
+    laws.records.push_back(std::move(record));
+    laws.region.emplace_back();
+  }
+  return laws;
+}
+
+coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads)
+{
+  return {scene.continuum.body.material == MaterialChoice::all_live ? coupling::VolumeUse::all_live
+                                                                    : coupling::VolumeUse::adaptive,
+          scene.strength.rate_law, scene.continuum.volumes.breakage_tolerance, n_threads};
+}
+
+VolumeReading volume_reading(const coupling::VolumePoints& points, const Ranks& ranks, double time)
+{
+  double use = 0, n_live = 0;
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    use = std::max(use, points.strength_use(q));
+    n_live += points.live(q) ? 1 : 0;
+  }
+  double sums[] = {double(points.n_broken()), double(points.n_bonds()), n_live,
+                   double(points.size()), double(points.failed().size())};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, ranks.all());
+  MPI_Allreduce(MPI_IN_PLACE, &use, 1, MPI_DOUBLE, MPI_MAX, ranks.all());
+  return {time, sums[0], sums[1], sums[2], sums[3], use, sums[4]};
+}
+
+std::vector<Column> volume_columns(const std::vector<VolumeReading>& readings)
+{
+  std::vector<Column> columns{
+      {"time_s", "s", {}},       {"broken_bonds", "1", {}},       {"broken_share_percent", "%", {}},
+      {"live_points", "1", {}},  {"live_share_percent", "%", {}}, {"strength_use", "1", {}},
+      {"failed_points", "1", {}}};
+  for (const VolumeReading& r : readings) {
+    const double row[] = {r.time,
+                          r.n_broken,
+                          100 * r.n_broken / std::max(1., r.n_bonds),
+                          r.n_live,
+                          100 * r.n_live / r.n_points,
+                          r.strength_use,
+                          r.n_failed};
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      columns[c].values.push_back(row[c]);
+  }
+  return columns;
+}
+
+std::vector<fem::CellField> volume_fields(const coupling::VolumePoints& points,
+                                          std::size_t points_per_cell)
+{
+  std::vector<fem::CellField> fields{{"live_share", {}},
+                                     {"broken_share", {}},
+                                     {"strength_use", {}},
+                                     {"stiffness_loss", {}},
+                                     {"first_breakage_s", {}}};
+  for (std::size_t first = 0; first < points.size(); first += points_per_cell) {
+    double live = 0, broken = 0, use = 0, loss = 0, since = std::numeric_limits<double>::infinity();
+    for (std::size_t q = first; q < first + points_per_cell; ++q) {
+      use = std::max(use, points.strength_use(q));
+      const coupling::LiveVolume* volume = points.live(q);
+      if (!volume)
+        continue;
+      ++live;
+      broken += double(volume->damage->n_broken) / double(points.family(q).element->n_bonds());
+      loss += 1 - volume->stiffness.trace() / points.family(q).stiffness().trace();
+      since = std::min(since, volume->since);
+    }
+    const double n = double(points_per_cell);
+    const double row[] = {live / n, broken / n, use, loss / n, std::isfinite(since) ? since : -1};
+    for (std::size_t k = 0; k < fields.size(); ++k)
+      fields[k].values.push_back(row[k]);
+  }
+  return fields;
+}
+
+template BodyVolumes make_volumes(const LoadedScene&, const Ranks&, const fem::Elements<2>&,
+                                  const std::filesystem::path&, int, bool);
+template BodyVolumes make_volumes(const LoadedScene&, const Ranks&, const fem::Elements<3>&,
+                                  const std::filesystem::path&, int, bool);
+
+} // namespace apps
