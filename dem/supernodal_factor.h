@@ -14,8 +14,8 @@ namespace dem {
 /// In what the factor is worked out and stored.
 enum class FactorPrecision {
   full,
-  /// Relative error 6e-8, half the memory to read: refine what comes out. Worked out in double where
-  /// single precision meets a pivot that is not positive.
+  /// Relative error 6e-8, half the memory to read: refine what comes out. Worked out in double
+  /// where single precision meets a pivot that is not positive.
   single_to_precondition
 };
 
