@@ -14,6 +14,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_iterations = 25;
 /// What is left out of balance after so many may be taken into the next step, over the tolerance.
 constexpr double loose = 100;
+/// It may be so as soon as iterations do not help, if it is below this share of the largest force.
+constexpr double lingering_share = 1e-2;
 /// Iterations after which each step is searched along for the least potential.
 constexpr int plain_iterations = 6;
 constexpr int most_shortenings = 7;
@@ -27,6 +29,16 @@ constexpr Index links_worth_threads = 50'000;
 double linear_tolerance(double residual, double wanted)
 {
   return std::clamp(0.3 * wanted / residual, 1e-10, 1e-2);
+}
+
+/// Whether a search near equilibrium has come no nearer for some iterations: what is left concerns
+/// few bodies that are hardly held.
+bool lingers(std::span<const double> residuals, double near)
+{
+  constexpr std::size_t patience = 3;
+  const std::size_t n = residuals.size();
+  return n > patience && residuals[n - 1] <= near &&
+         residuals[n - 1] > 0.7 * residuals[n - 1 - patience];
 }
 
 /// Whether a search that is far from equilibrium has not come nearer for some iterations.
@@ -203,7 +215,8 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
     }
     if (stalls(residuals, residual.largest, wanted))
       return result;
-    if (result.n_iterations == most_iterations || dofs_.n_dofs == 0) {
+    if (result.n_iterations == most_iterations || dofs_.n_dofs == 0 ||
+        lingers(residuals, std::min(loose, lingering_share / problem.tolerance) * wanted)) {
       result.found = residual.largest <= loose * wanted;
       return result;
     }

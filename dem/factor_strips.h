@@ -28,7 +28,10 @@ public:
   FactorStrips(std::vector<int> n_columns, std::vector<int> n_rows);
 
   /// Copies a supernode from a dense block stored by columns.
-  void store(int supernode, const double* block);
+  ///
+  /// \param stride  distance between columns
+  template <typename Number>
+  void store(int supernode, const Number* block, std::size_t stride);
 
   /// Solves for the supernode's own rows and takes what they contribute off the rows after them.
   void eliminate(int supernode, double* front) const;

@@ -104,13 +104,16 @@ Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, c
   const auto n = Index(dofs.first_dof.size());
   Eigen::VectorXd y = Eigen::VectorXd::Zero(dofs.n_dofs);
   std::vector<double> on_platen(dofs.platen_dof >= 0 ? n : 0, 0.0);
+  std::vector<Motion> motions(n); // once: every link needs two
+  for (Index i = 0; i < n; ++i)
+    motions[i] = motion_of(dofs, x, i);
 #pragma omp parallel for num_threads(n_threads) schedule(static) if (n_threads > 1)
   for (Index i = 0; i < n; ++i) {
     const Index dof = dofs.first_dof[i];
     const bool on_top = dofs.platen_dof >= 0 && dofs.support[i] == Support::top;
     if (dof < 0 && !on_top)
       continue;
-    const Motion own = motion_of(dofs, x, i);
+    const Motion& own = motions[i];
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
     for (Index p = body_links.start[i]; p < body_links.start[i + 1]; ++p) {
       const Index k = body_links.link[p];
@@ -118,7 +121,7 @@ Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, c
       if (!t.carries())
         continue;
       const bool is_first = matrix.ends[k][0] == i;
-      const Motion other = motion_of(dofs, x, matrix.ends[k][is_first ? 1 : 0]);
+      const Motion& other = motions[matrix.ends[k][is_first ? 1 : 0]];
       const double own_arm = is_first ? t.arm_first : t.arm_second;
       const double other_arm = is_first ? t.arm_second : t.arm_first;
       const Vec3 n_out = is_first ? t.normal : Vec3(-t.normal);
@@ -181,13 +184,17 @@ std::vector<double> link_values(const LinkMatrix& matrix, const SymmetricPattern
     const LinkStiffness block = link_stiffness(t, dofs.radius[a], dofs.radius[b]);
     for (int end = 0; end < 2; ++end) {
       const int other = 1 - end;
+      // Columns of a body have the same rows below its own ones.
+      const int below_at = dof[end] >= 0 && dof[other] > dof[end]
+                               ? entry(dof[other], dof[end]) - pattern.column_start[dof[end]]
+                               : -1;
       if (dof[end] >= 0)
         for (int c = 0; c < 6; ++c) {
           double* column = values.data() + pattern.column_start[dof[end] + c];
           for (int r = c; r < 6; ++r)
             column[r - c] += block(6 * end + r, 6 * end + c);
-          if (dof[other] > dof[end]) {
-            double* below = values.data() + entry(dof[other], dof[end] + c);
+          if (below_at >= 0) {
+            double* below = column + below_at - c;
             for (int r = 0; r < 6; ++r)
               below[r] += block(6 * other + r, 6 * end + c);
           }

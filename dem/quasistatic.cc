@@ -239,10 +239,11 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
   std::ranges::stable_sort(over, std::ranges::greater(), [&](Index b) { return ratios[b]; });
   const double tie =
       ratios[over.front()] * (1 - tie_over_tolerance * model.settings.residual_tolerance);
-  std::size_t n = std::min(over.size(), std::size_t(model.settings.breakage_batch));
+  const long batch = model.settings.breakage_batch;
+  std::size_t n = std::min(over.size(), std::size_t(batch));
   while (n < over.size() && ratios[over[n]] >= tie)
     ++n;
-  state.in_avalanche = n < over.size();
+  state.in_avalanche = n < over.size() || (batch > 1 && n > 1); // several bring on others
   std::sort(over.begin(), over.begin() + std::ptrdiff_t(n));
   const Strengths& strengths = *model.assembly.strengths;
   for (std::size_t each = 0; each < n; ++each) {

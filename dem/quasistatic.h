@@ -53,7 +53,7 @@ struct QuasistaticState {
   long n_steps = 0, n_rejected = 0, n_passages = 0;
   int passages_in_a_row = 0;
   double passage_hold = 0;   ///< of the last passage, over the stiffness of contacts; 0: none
-  bool in_avalanche = false; ///< more bonds were over their strength than the batch broke
+  bool in_avalanche = false; ///< more breakages are likely: equilibrium need not be tight
   std::optional<double> passage_start; ///< displacement at the first passage since a step [m]
   RunEnd end = RunEnd::running;
   std::string end_reason;

@@ -13,8 +13,8 @@ constexpr int most_passages = 400;
 /// Of them, one tries first whether the specimen stands by itself.
 constexpr int passages_per_attempt = 4;
 constexpr double usual_hold = 1e-3, least_hold = 1e-6, largest_hold = 1e3;
-/// Out-of-balance force while more bonds are over their strength than may break at a time, over
-/// that of the settings: what comes next changes the forces more.
+/// Out-of-balance force while more breakages are likely, over that of the settings: what comes next
+/// changes the forces more.
 constexpr double avalanche_looseness = 100;
 
 /// Each passage may move further than the one before.

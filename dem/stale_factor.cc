@@ -7,14 +7,14 @@ namespace dem {
 namespace {
 
 /// Iterations that cost as much as a factorisation.
-constexpr long iterations_per_factorisation = 24;
+constexpr long iterations_per_factorisation = 8;
 /// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
 constexpr long free_iterations = 3;
 constexpr long most_iterations = 120;
 /// With a stale factor the residual need not be smaller than this share after so many iterations:
 /// the next Newton step does better. More than the last share after a few means that the factor is
 /// too far off.
-constexpr long enough_iterations = 12, few_iterations = 8;
+constexpr long enough_iterations = 8, few_iterations = 5, most_stale_iterations = 12;
 constexpr double enough_then = 0.03, enough_at_last = 0.1, hopeless = 0.6;
 /// Links that carry outside the pattern before it is analysed anew.
 constexpr std::size_t most_outside = 4;
@@ -28,7 +28,7 @@ Verdict verdict(long n_iterations, double left, bool stale)
 {
   if (!stale)
     return n_iterations == most_iterations ? Verdict::give_up : Verdict::go_on;
-  if (n_iterations >= iterations_per_factorisation)
+  if (n_iterations >= most_stale_iterations)
     return left <= enough_at_last ? Verdict::take : Verdict::give_up;
   if (n_iterations >= enough_iterations && left <= enough_then)
     return Verdict::take;

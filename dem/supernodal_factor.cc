@@ -12,15 +12,114 @@
 
 namespace dem {
 
-struct SupernodalFactor::Data {
-  SymmetricPattern pattern;
+namespace {
+
+/// What CHOLMOD finds out about a pattern.
+struct Analysis {
+  std::vector<int> position; ///< of each unknown in the order of the factor
+  Supernodes nodes;
+  long n_nonzeros;
+};
+
+cholmod_sparse matrix_of(const SymmetricPattern& pattern)
+{
+  cholmod_sparse a{};
+  a.nrow = a.ncol = std::size_t(pattern.size());
+  a.nzmax = pattern.row.size();
+  a.p = const_cast<int*>(pattern.column_start.data());
+  a.i = const_cast<int*>(pattern.row.data());
+  a.stype = -1;
+  a.itype = CHOLMOD_INT;
+  a.xtype = CHOLMOD_PATTERN;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = a.packed = 1;
+  return a;
+}
+
+Analysis copy_of(const cholmod_factor& factor, const cholmod_common& common)
+{
+  Analysis result;
+  const auto n = int(factor.n), n_supernodes = int(factor.nsuper);
+  result.n_nonzeros = long(common.lnz);
+  result.position.resize(std::size_t(n));
+  for (int k = 0; k < n; ++k)
+    result.position[static_cast<const int*>(factor.Perm)[k]] = k;
+  const int* super = static_cast<const int*>(factor.super);
+  const int* first_row = static_cast<const int*>(factor.pi);
+  const int* row = static_cast<const int*>(factor.s);
+  Supernodes& nodes = result.nodes;
+  nodes.first_column.assign(super, super + n_supernodes + 1);
+  nodes.first_row.assign(first_row, first_row + n_supernodes + 1);
+  nodes.row.assign(row, row + first_row[n_supernodes]);
+  std::vector<int> supernode_of(std::size_t(n), 0);
+  for (int s = 0; s < n_supernodes; ++s)
+    std::fill(supernode_of.begin() + super[s], supernode_of.begin() + super[s + 1], s);
+  nodes.parent.assign(std::size_t(n_supernodes), -1);
+  for (int s = 0; s < n_supernodes; ++s)
+    if (const auto rows = nodes.rows(s); int(rows.size()) > nodes.n_columns(s))
+      nodes.parent[s] = supernode_of[rows[nodes.n_columns(s)]];
+  return result;
+}
+
+/// \throws std::runtime_error if memory does not suffice
+Analysis analyse(const SymmetricPattern& pattern)
+{
+  const OneThread one_thread;
   cholmod_common common;
-  cholmod_factor* factor = nullptr;
-  std::vector<int> position;     ///< of each unknown in the order of the factor
+  cholmod_start(&common);
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_NESDIS;
+  common.postorder = 1;
+  common.print = 0;
+  common.error_handler = nullptr;
+  cholmod_sparse a = matrix_of(pattern);
+  cholmod_factor* factor = cholmod_analyze(&a, &common);
+  std::optional<Analysis> result;
+  if (factor)
+    result = copy_of(*factor, common);
+  cholmod_free_factor(&factor, &common);
+  cholmod_finish(&common);
+  if (!result)
+    throw std::runtime_error("the symbolic factorisation failed: not enough memory");
+  return std::move(*result);
+}
+
+std::vector<int> counts(std::span<const int> first)
+{
+  std::vector<int> result;
+  for (std::size_t s = 0; s + 1 < first.size(); ++s)
+    result.push_back(first[s + 1] - first[s]);
+  return result;
+}
+
+} // namespace
+
+struct SupernodalFactor::Data {
+  std::vector<int> position; ///< of each unknown in the order of the factor
+  Supernodes nodes;
+  long n_nonzeros;
   std::vector<int> supernode_of; ///< of each column of the factor
-  std::vector<int> parent;       ///< of each supernode, -1 at a root
+  std::optional<FrontalCholesky<float>> in_single;
+  FrontalCholesky<double> in_double; ///< where single precision is not enough too
   std::variant<std::monostate, FactorStrips<double>, FactorStrips<float>> strips;
   mutable std::vector<Lanes> work; ///< scratch, zero between calls
+
+  Data(const SymmetricPattern& pattern, Analysis&& analysis, FactorPrecision precision)
+      : position(std::move(analysis.position)), nodes(std::move(analysis.nodes)),
+        n_nonzeros(analysis.n_nonzeros), supernode_of(position.size()),
+        in_double(pattern, position, nodes)
+  {
+    for (int s = 0; s < nodes.size(); ++s)
+      std::fill(supernode_of.begin() + nodes.first_column[s],
+                supernode_of.begin() + nodes.first_column[s + 1], s);
+    if (precision == FactorPrecision::full)
+      strips.emplace<FactorStrips<double>>(counts(nodes.first_column), counts(nodes.first_row));
+    else {
+      in_single.emplace(pattern, position, nodes);
+      strips.emplace<FactorStrips<float>>(counts(nodes.first_column), counts(nodes.first_row));
+    }
+  }
 
   /// Calls a function with the strips, whatever they are stored in.
   template <typename Work>
@@ -31,86 +130,11 @@ struct SupernodalFactor::Data {
     else
       use(std::get<FactorStrips<float>>(strips));
   }
-
-  explicit Data(const SymmetricPattern& p) : pattern(p)
-  {
-    cholmod_start(&common);
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_NESDIS;
-    common.postorder = 1;
-    common.print = 0;
-    common.error_handler = nullptr;
-  }
-  ~Data()
-  {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
-  }
-  Data(const Data&) = delete;
-
-  cholmod_sparse matrix(const double* values)
-  {
-    cholmod_sparse a{};
-    a.nrow = a.ncol = std::size_t(pattern.size());
-    a.nzmax = pattern.row.size();
-    a.p = pattern.column_start.data();
-    a.i = pattern.row.data();
-    a.x = const_cast<double*>(values);
-    a.stype = -1;
-    a.itype = CHOLMOD_INT;
-    a.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
-    a.dtype = CHOLMOD_DOUBLE;
-    a.sorted = a.packed = 1;
-    return a;
-  }
-
-  int n_supernodes() const { return int(factor->nsuper); }
-  const int* super() const { return static_cast<const int*>(factor->super); }
-  int first_column(int s) const { return super()[s]; }
-  int n_columns(int s) const { return super()[s + 1] - super()[s]; }
-  std::span<const int> rows(int s) const
-  {
-    const int* start = static_cast<const int*>(factor->pi);
-    return {static_cast<const int*>(factor->s) + start[s], std::size_t(start[s + 1] - start[s])};
-  }
-  /// Its dense block, stored by columns: the triangle first, then the rows below.
-  const double* block(int s) const
-  {
-    return static_cast<const double*>(factor->x) + static_cast<const int*>(factor->px)[s];
-  }
 };
 
 SupernodalFactor::SupernodalFactor(const SymmetricPattern& pattern, FactorPrecision precision)
-    : data_(std::make_unique<Data>(pattern))
+    : data_(std::make_unique<Data>(pattern, analyse(pattern), precision))
 {
-  Data& d = *data_;
-  const OneThread one_thread;
-  cholmod_sparse a = d.matrix(nullptr);
-  d.factor = cholmod_analyze(&a, &d.common);
-  if (!d.factor)
-    throw std::runtime_error("the symbolic factorisation failed: not enough memory");
-  const int n = pattern.size();
-  d.position.resize(n);
-  for (int k = 0; k < n; ++k)
-    d.position[static_cast<const int*>(d.factor->Perm)[k]] = k;
-  d.supernode_of.resize(n);
-  for (int s = 0; s < d.n_supernodes(); ++s)
-    for (int k = 0; k < d.n_columns(s); ++k)
-      d.supernode_of[d.first_column(s) + k] = s;
-  d.parent.assign(d.n_supernodes(), -1);
-  for (int s = 0; s < d.n_supernodes(); ++s)
-    if (const auto rows = d.rows(s); int(rows.size()) > d.n_columns(s))
-      d.parent[s] = d.supernode_of[rows[d.n_columns(s)]];
-  std::vector<int> n_columns, n_rows;
-  for (int s = 0; s < d.n_supernodes(); ++s) {
-    n_columns.push_back(d.n_columns(s));
-    n_rows.push_back(int(d.rows(s).size()));
-  }
-  if (precision == FactorPrecision::full)
-    d.strips.emplace<FactorStrips<double>>(std::move(n_columns), std::move(n_rows));
-  else
-    d.strips.emplace<FactorStrips<float>>(std::move(n_columns), std::move(n_rows));
 }
 
 SupernodalFactor::~SupernodalFactor() = default;
@@ -119,22 +143,16 @@ SupernodalFactor& SupernodalFactor::operator=(SupernodalFactor&&) noexcept = def
 
 bool SupernodalFactor::factorise(std::span<const double> values)
 {
-  const OneThread one_thread;
-  cholmod_sparse a = data_->matrix(values.data());
-  cholmod_factorize(&a, data_->factor, &data_->common);
-  if (data_->common.status == CHOLMOD_OUT_OF_MEMORY)
-    throw std::runtime_error("the factorisation failed: not enough memory");
-  if (data_->common.status != CHOLMOD_OK)
-    return false;
-  const auto store = [&](auto& strips) {
-    for (int s = 0; s < data_->n_supernodes(); ++s)
-      strips.store(s, data_->block(s));
+  Data& d = *data_;
+  const auto store_in = [](auto& strips) {
+    return [&strips](int s, const auto* columns, std::size_t stride) {
+      strips.store(s, columns, stride);
+    };
   };
-  if (auto* full = std::get_if<FactorStrips<double>>(&data_->strips))
-    store(*full);
-  else
-    store(std::get<FactorStrips<float>>(data_->strips));
-  return true;
+  if (auto* full = std::get_if<FactorStrips<double>>(&d.strips))
+    return d.in_double.factorise(values, store_in(*full));
+  const auto store = store_in(std::get<FactorStrips<float>>(d.strips));
+  return d.in_single->factorise(values, store) || d.in_double.factorise(values, store);
 }
 
 SupernodalFactor::SparseColumns
@@ -145,27 +163,27 @@ SupernodalFactor::half_solve(std::span<const Index> rows,
   SparseColumns result;
   result.n_columns = int(entries.cols());
   for (const Index row : rows)
-    for (int s = d.supernode_of[d.position[row]]; s >= 0; s = d.parent[s])
+    for (int s = d.supernode_of[d.position[row]]; s >= 0; s = d.nodes.parent[s])
       result.supernode.push_back(s);
   std::ranges::sort(result.supernode);
   result.supernode.erase(std::unique(result.supernode.begin(), result.supernode.end()),
                          result.supernode.end());
   std::vector<Lanes>& work = d.work;
-  work.resize(std::size_t(d.pattern.size()), no_lanes());
+  work.resize(d.position.size(), no_lanes());
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (Eigen::Index c = 0; c < entries.cols(); ++c)
       work[d.position[rows[r]]][c] += entries(Eigen::Index(r), c);
   std::vector<Lanes> front;
   for (const int s : result.supernode) {
-    const std::span<const int> row = d.rows(s);
+    const std::span<const int> row = d.nodes.rows(s);
     front.assign(row.size() + front_padding, no_lanes());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = work[row[r]];
     d.with_strips([&](const auto& strips) { strips.eliminate(s, front.data()); });
-    const int n = d.n_columns(s);
+    const int n = d.nodes.n_columns(s);
     result.first_row.push_back(int(result.row.size()));
     result.row.insert(result.row.end(), front.begin(), front.begin() + n);
-    std::fill_n(work.begin() + d.first_column(s), n, no_lanes());
+    std::fill_n(work.begin() + d.nodes.first_column[s], n, no_lanes());
     for (std::size_t r = std::size_t(n); r < row.size(); ++r)
       work[row[r]] = front[r];
   }
@@ -190,8 +208,8 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
   for (Eigen::Index i = 0; i < b.size(); ++i)
     y[d.position[i]] = b[i];
   std::vector<Lanes> aligned;
-  for (int s = 0; s < d.n_supernodes(); ++s) {
-    const std::span<const int> row = d.rows(s);
+  for (int s = 0; s < d.nodes.size(); ++s) {
+    const std::span<const int> row = d.nodes.rows(s);
     double* front = zero_front(aligned, row.size());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
@@ -206,13 +224,13 @@ Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
 {
   const Data& d = *data_;
   std::vector<Lanes> aligned;
-  for (int s = d.n_supernodes() - 1; s >= 0; --s) {
-    const std::span<const int> row = d.rows(s);
+  for (int s = d.nodes.size() - 1; s >= 0; --s) {
+    const std::span<const int> row = d.nodes.rows(s);
     double* front = zero_front(aligned, row.size());
     for (std::size_t r = 0; r < row.size(); ++r)
       front[r] = y[row[r]];
     d.with_strips([&](const auto& strips) { strips.substitute(s, front); });
-    std::copy_n(front, d.n_columns(s), y.data() + d.first_column(s));
+    std::copy_n(front, d.nodes.n_columns(s), y.data() + d.nodes.first_column[s]);
   }
   Eigen::VectorXd x(y.size());
   for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -222,12 +240,12 @@ Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
 
 std::span<const int> SupernodalFactor::supernode_starts() const
 {
-  return {data_->super(), std::size_t(data_->n_supernodes()) + 1};
+  return data_->nodes.first_column;
 }
 
 long SupernodalFactor::n_nonzeros() const
 {
-  return long(data_->common.lnz);
+  return data_->n_nonzeros;
 }
 
 } // namespace dem

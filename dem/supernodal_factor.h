@@ -1,4 +1,5 @@
 #pragma once
+#include "dem/frontal_cholesky.h"
 #include "dem/lanes.h"
 #include "dem/types.h"
 
@@ -10,25 +11,20 @@
 
 namespace dem {
 
-/// Sparsity of a symmetric matrix: row indices of the lower triangle, column by column, sorted.
-struct SymmetricPattern {
-  std::vector<int> column_start; ///< length n + 1
-  std::vector<int> row;
-
-  int size() const { return int(column_start.size()) - 1; }
-};
-
-/// In what the triangular solves read the factor; the factorisation itself is in double.
+/// In what the factor is worked out and stored.
 enum class FactorPrecision {
   full,
-  single_to_precondition ///< relative error 6e-8: half the memory to read, refine what comes out
+  /// Relative error 6e-8, half the memory to read: refine what comes out. Worked out in double
+  /// where single precision meets a pivot that is not positive.
+  single_to_precondition
 };
 
 /// Cholesky factor of a sparse symmetric positive definite matrix, K = L L^T up to a permutation.
 ///
-/// CHOLMOD analyses (METIS ordering), factorises and stores L in supernodes. The triangular solves
-/// here work on those supernodes: a right-hand side with few entries touches only the columns on
-/// the paths from them to the root of the elimination tree, here a few thousand of 34,000.
+/// CHOLMOD analyses (METIS ordering) and finds the supernodes; the numbers are worked out by
+/// FrontalCholesky. In the triangular solves a right-hand side with few entries touches only the
+/// columns on the paths from them to the root of the elimination tree, here a few thousand of
+/// 34,000.
 ///
 /// "Half-solved" vectors are y = L^-1 P b, in the order of the factor.
 class SupernodalFactor {
