@@ -36,7 +36,7 @@ def section(corners, height):
     return hull(points)
 
 
-def draw(axes, damage, name, label, colours, figure):
+def draw_section(axes, damage, name, label, colours):
     """Colours the cells that the upright plane through the middle of the body cuts."""
     corners = 1e3 * damage["vertices"]
     low, high = corners[..., 1].min(), corners[..., 1].max()
@@ -52,4 +52,22 @@ def draw(axes, damage, name, label, colours, figure):
     axes.autoscale_view()
     axes.grid(False)
     axes.set(xlabel="x [mm]", ylabel="z [mm]")
-    figure.colorbar(cells, ax=axes, label=label, shrink=0.8)
+    axes.figure.colorbar(cells, cax=axes.inset_axes([1.04, 0.05, 0.04, 0.9]), label=label)
+
+
+def draw_sections(sheet, result):
+    """Both sections of a result; returns what to say about them."""
+    for axes, (name, label, colours) in zip(sheet.panels, FIELDS):
+        draw_section(axes, result.damage, name, label, colours)
+    return (f"Upright section through the middle at t = {result.end:.4g} s; means over each cell, "
+            "for the force over strength the largest of its points.")
+
+
+def draw_histories(sheet, results, log):
+    """Broken bonds and live points over time."""
+    for r in results:
+        for axes, column in zip(sheet.panels, ("broken_share_percent", "live_share_percent")):
+            axes.plot(r.volumes["time_s"], r.volumes[column], label=r.legend(), **r.look)
+    for panel, what in enumerate(("Broken bonds [%]", "Live points [%]")):
+        sheet.label(panel, "Time [s]", what, log)
+        sheet.panels[panel].set_ylim(bottom=0)

@@ -26,7 +26,8 @@ std::vector<double> march_numbers(const fem::MarchState& m)
           double(m.n_solves),
           double(m.n_iterations),
           double(m.n_assemblies),
-          double(m.n_changes)};
+          double(m.n_changes),
+          double(m.is_settled)};
 }
 
 fem::MarchState march_of(const std::vector<double>& n)
@@ -42,6 +43,7 @@ fem::MarchState march_of(const std::vector<double>& n)
   m.n_iterations = long(n.at(7));
   m.n_assemblies = long(n.at(8));
   m.n_changes = long(n.at(9));
+  m.is_settled = n.at(10) != 0;
   return m;
 }
 
@@ -108,7 +110,8 @@ void write_all(dem::Hdf5File& file, const LoadedScene& scene, const std::filesys
   file.write("scalars",
              std::vector<double>{stored.drive_displacement, stored.last_step,
                                  stored.elastic_compliance, stored.last_time, stored.last_motion,
-                                 stored.wall_time, double(stored.n_recorded)},
+                                 stored.wall_time, double(stored.n_recorded),
+                                 double(stored.n_jumped)},
              "SI");
   RunRecord history;
   history.history = stored.record.history;
@@ -160,6 +163,7 @@ void write_continuum_checkpoint(const ContinuumInProgress<dim>& run,
       run.last_motion,
       run.wall_time,
       run.n_recorded,
+      run.n_jumped,
       continuum_fingerprint(run.scene)};
   if (!run.ranks.first())
     return;
@@ -187,6 +191,7 @@ StoredContinuum read_continuum_checkpoint(const dem::Hdf5File& file)
   stored.last_motion = scalars.at(4);
   stored.wall_time = scalars.at(5);
   stored.n_recorded = std::size_t(scalars.at(6));
+  stored.n_jumped = std::size_t(scalars.at(7));
   stored.files = file.text_attribute("scene", "files_fingerprint");
   stored.record.history = read_record(file, "record").history;
   const std::vector<std::string> names = split(trimmed(file.read_text("record/field_files")), '\n');

@@ -32,6 +32,7 @@ struct ContinuumInProgress {
   std::unique_ptr<fem::MaterialPoints> points{};
   const coupling::VolumePoints* volumes = nullptr; ///< the points, if they are volumes that break
   std::vector<int> law_of_point{};
+  std::string size_ratios{}; ///< of volumes over their elements, on this rank, as a text
   std::optional<fem::Probes<dim>> probes{};
   fem::MarchState march{};
   double elastic_compliance = 0;         ///< of the platens [m/N]
@@ -39,6 +40,7 @@ struct ContinuumInProgress {
 
   ContinuumRecord record{};
   std::size_t n_recorded = 0; ///< stops that are done
+  std::size_t n_jumped = 0;   ///< stops up to the last one whose jump of the load is done
   double wall_time = 0;       ///< [s]
 };
 
@@ -48,7 +50,7 @@ struct StoredContinuum {
   fem::MarchState march;
   ContinuumRecord record;
   double drive_displacement, last_step, elastic_compliance, last_time, last_motion, wall_time;
-  std::size_t n_recorded;
+  std::size_t n_recorded, n_jumped;
   std::string files; ///< fingerprint of law and mesh files
 };
 

@@ -77,7 +77,13 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
   set("solves", double(r.march.n_solves));
   set("factorisations", double(r.march.n_assemblies));
   set("estimated_time_error", r.march.error_sum);
-  set("estimated_values", std::string("none"));
+  const bool volumes = has_volumes(r.scene.scene->continuum);
+  const std::string estimates = volumes ? estimated_keys(r.scene) : "";
+  set("estimated_values", estimates.empty() ? std::string("none") : estimates);
+  if (volumes) {
+    set("packing_seed", double(r.scene.scene->specimen.seed));
+    set("strength_seed", double(r.scene.scene->strength.seed));
+  }
   set("bonds", r.record.volumes.empty() ? 0. : r.record.volumes.back().n_bonds);
   set("sign", std::string("history: compression positive; probes and fields: tension positive"));
   file.write_text("scene/as_typed", r.scene.text);
@@ -93,9 +99,9 @@ void write_continuum_results(const ContinuumResult& r, const std::filesystem::pa
     write_text_file(folder / "cycles.csv", csv(cycles));
   }
   if (!r.record.volumes.empty()) {
-    const std::vector<Column> volumes = volume_columns(r.record.volumes);
-    write_columns(file, "volumes", volumes);
-    write_text_file(folder / "volumes.csv", csv(volumes));
+    const std::vector<Column> readings = volume_columns(r.record.volumes);
+    write_columns(file, "volumes", readings);
+    write_text_file(folder / "volumes.csv", csv(readings));
   }
   if (r.damage)
     write_damage(file, *r.damage);

@@ -1,6 +1,7 @@
 #include "apps/continuum_run.h"
 
 #include "apps/checkpoint.h"
+#include "apps/continuum_march.h"
 #include "apps/continuum_steps.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
@@ -46,57 +47,6 @@ Stops stops_of(const Scene& scene, const dem::Loading& loading)
   return stops;
 }
 
-/// Whether the test is over before its time: the body has come apart, or strained as far as asked.
-template <int dim>
-bool has_ended(const ContinuumInProgress<dim>& run)
-{
-  return run.march.has_lost ||
-         (run.volumes && run.face.platen &&
-          std::abs(motion(run)) >= run.scene.scene->load.strain_limit * run.face.length);
-}
-
-/// The history up to a stop, and the jump of the load there; to the end of the test at most.
-/// \return false if it was interrupted
-template <int dim>
-bool advance(ContinuumInProgress<dim>& run, double stop, Progress& progress,
-             const std::filesystem::path& folder, double& last_checkpoint, double fraction)
-{
-  const Scene& scene = *run.scene.scene;
-  const fem::StepSettings settings{scene.continuum.step_tolerance, scene.continuum.first_step, 3};
-  const bool jump = dem::last_jump(run.loading, stop) == stop || stop == run.loading.points[0].time;
-  const double to = jump ? std::nextafter(stop, 0.) : stop;
-  while (run.march.time < to && !has_ended(run)) {
-    run.last_time = run.march.time;
-    run.last_motion = motion(run);
-    const long n_changes = run.march.n_changes;
-    fem::march_step(*run.specimen, *run.points, run.march, run.history, settings, to);
-    if (run.march.n_changes > n_changes && run.specimen->supports().driven)
-      run.elastic_compliance = 1 / run.specimen->drive_stiffness(); // of the jump after it
-    progress.update(fraction,
-                    fmt::format("t = {:.4g} s, {} steps{}", run.march.time, run.march.n_steps,
-                                run.march.n_changes > 0
-                                    ? fmt::format(", {} breakages", run.march.n_changes)
-                                    : ""));
-    if (has_ended(run))
-      break;
-    const bool due = progress.seconds() - last_checkpoint > scene.output.checkpoint_interval;
-    const bool stopped = run.ranks.any(interrupted());
-    if (stopped || run.ranks.any(due)) {
-      last_checkpoint = progress.seconds();
-      write_continuum_checkpoint(run, folder);
-    }
-    if (stopped)
-      return false;
-  }
-  if (jump && run.march.time <= stop && !has_ended(run)) {
-    run.march.time = stop;
-    fem::apply_jump(*run.specimen, *run.points, run.march, run.history);
-    if (run.specimen->supports().driven)
-      run.elastic_compliance = 1 / run.specimen->drive_stiffness();
-  }
-  return true;
-}
-
 /// Runs to the end of the load history; false if it was interrupted.
 template <int dim>
 bool drive(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
@@ -106,11 +56,10 @@ bool drive(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
   Progress progress(run.scene.name + " (continuum)", options.quiet || !run.ranks.first(),
                     options.for_parent && run.ranks.first());
   const double before = run.wall_time;
-  double last_checkpoint = 0;
+  Watch watch{progress, folder};
   for (std::size_t k = run.n_recorded; k < stops.all.size(); ++k) {
     const double stop = stops.all[k];
-    const bool arrived =
-        advance(run, stop, progress, folder, last_checkpoint, double(k) / double(stops.all.size()));
+    const bool arrived = advance(run, stop, watch, double(k) / double(stops.all.size()));
     run.wall_time = before + progress.seconds();
     if (!arrived) {
       progress.finish();
@@ -168,7 +117,7 @@ End end_of(const ContinuumInProgress<dim>& run)
 {
   if (!has_ended(run))
     return {dem::RunEnd::finished, ""};
-  if (!run.march.has_lost)
+  if (!run.march.has_lost && run.march.is_settled)
     return {dem::RunEnd::strain_limit, fmt::format("strain limit at t = {:.6g} s", run.march.time)};
   const fem::Vec3 place = most_strained_place(run);
   return {dem::RunEnd::lost_equilibrium,
@@ -293,6 +242,7 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
     run.march = stored->march;
     run.record = stored->record;
     run.n_recorded = stored->n_recorded;
+    run.n_jumped = stored->n_jumped;
     run.elastic_compliance = stored->elastic_compliance;
     run.last_time = stored->last_time;
     run.last_motion = stored->last_motion;
@@ -307,6 +257,18 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
                              ? fmt::format("; {} rigid motion(s) held at single nodes",
                                            run.specimen->supports().n_pins)
                              : ""));
+  if (run.volumes && run.volumes->size() > 0) {
+    const coupling::VolumeFamily& first = run.volumes->family(0);
+    say(ranks, fmt::format("  points are volumes of {} spheres and {} bonds, {:.3g} mm wide, {} "
+                           "times the size of their elements{}",
+                           first.element->element().particles.size(), first.element->n_bonds(),
+                           1e3 * std::cbrt(first.element->volume()), run.size_ratios,
+                           scene.continuum.volumes.softening == SofteningChoice::scaled
+                               ? ""
+                               : " (softening as it is)"));
+    if (const std::string estimates = estimated_keys(loaded); !estimates.empty())
+      say(ranks, "  preset 'estimate': estimates, not the paper's tables, stand for " + estimates);
+  }
   if (ranks.first())
     make_folder(folder);
   return agreed(ranks, finish(run, folder, options));

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -114,9 +115,16 @@ void make_points(ContinuumInProgress<dim>& run)
     run.laws = laws_of(scene, volumes.families);
     run.law_of_point = volumes.family_of_point;
     if (breaks(scene.continuum)) {
+      const auto [least, most] = std::ranges::minmax(volumes.size_ratio);
+      run.size_ratios = most < 1.01 * least ? fmt::format("{:.2g}", most)
+                                            : fmt::format("{:.2g} to {:.2g}", least, most);
+      constexpr double moment = 1e-6; // [s]
+      const auto reduced = reduced_time(scene, run.laws);
+      const double begin = run.march.time;
+      const double pace = (reduced(begin + moment) - reduced(begin)) / moment;
       auto points = std::make_unique<coupling::VolumePoints>(
           std::move(volumes.families), std::move(volumes.family_of_point),
-          std::move(volumes.size_ratio), volume_settings(scene, run.n_threads), run.march.time);
+          std::move(volumes.size_ratio), volume_settings(scene, run.n_threads, pace), begin);
       run.volumes = points.get();
       run.points = std::move(points);
       return;

@@ -142,11 +142,12 @@ BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& 
   return laws;
 }
 
-coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads)
+coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads, double first_pace)
 {
   return {scene.continuum.body.material == MaterialChoice::all_live ? coupling::VolumeUse::all_live
                                                                     : coupling::VolumeUse::adaptive,
-          scene.strength.rate_law, scene.continuum.volumes.breakage_tolerance, n_threads};
+          scene.strength.rate_law, scene.continuum.volumes.breakage_tolerance, n_threads,
+          first_pace};
 }
 
 VolumeReading volume_reading(const coupling::VolumePoints& points, const Ranks& ranks, double time)

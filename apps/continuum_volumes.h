@@ -30,7 +30,8 @@ BodyVolumes make_volumes(const LoadedScene& scene, const Ranks& ranks,
 /// The exact laws of intact volumes.
 BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& families);
 
-coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads);
+/// \param first_pace  reduced time over real time at the start [-]
+coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads, double first_pace);
 
 /// What the volumes of a body show at a time, over all ranks.
 struct VolumeReading {

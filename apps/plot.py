@@ -16,6 +16,7 @@ from pathlib import Path
 
 logging.disable(logging.CRITICAL)  # the caller reads paths and errors only
 try:
+    import body_damage
     import damage
     import matplotlib
     import numpy as np
@@ -331,6 +332,19 @@ def draw_modulus(results, key, folder):
     sheet.save(folder / "complex_modulus.png", key)
 
 
+def draw_volumes(results, key, folder):
+    """Broken bonds and live points of bodies whose points are volumes."""
+    sheet = Sheet(results, (1, 1))
+    body_damage.draw_histories(sheet, results, "x" if wide_times(results) else "")
+    sheet.save(folder / "volumes.png", key)
+
+
+def draw_body(results, key, folder):
+    """Where a body has lost its stiffness, for a single run."""
+    sheet = Sheet(results, (1, 1))
+    sheet.save(folder / "body_damage.png", key, body_damage.draw_sections(sheet, results[0]))
+
+
 def figures(results):
     """Drawing functions, each with the results that it can draw."""
     for kind in (STRAIN, DISPLACEMENT):
@@ -344,6 +358,8 @@ def figures(results):
     yield draw_cycles, [r for r in platen if len(r.cycles.get("cycle", ())) > 1]
     yield draw_energy, [r for r in results if len(r.energy.get("time_s", ())) > 1
                         and len(results) == 1]
+    yield draw_volumes, [r for r in results if r.volumes]
+    yield draw_body, [r for r in results if r.damage and len(results) == 1]
     creep = [r for r in platen if r.test == "creep" and len(r.breakages["time_s"])]
     yield draw_damage, creep if len({r.scene["Loading/Axial stress"] for r in creep}) > 1 else []
     yield draw_compliance, [r for r in linear if r.test == "creep"]

@@ -58,6 +58,10 @@ class Result:
         self.history, self.breakages, self.modulus, self.cycles, self.energy = (
             {name: column[()] for name, column in file.get(table, {}).items()}
             for table in ("history", "breakages", "complex_modulus", "cycles", "energy"))
+        self.volumes, self.damage = ({name: column[()] for name, column in file.get(t, {}).items()}
+                                     for t in ("volumes", "damage"))
+        if self.damage:
+            self.damage["vertices"] = self.damage["vertices"].reshape(-1, 8, 3)
         self.of_particles = "packing" in file
         self.n_particles, self.n_bonds = ((len(file["packing/radius"]), len(file["bonds/id"]))
                                           if self.of_particles else (0, 0))
@@ -128,6 +132,10 @@ def bodies(r):
 def seeds(r):
     """Where particles and strengths come from."""
     if not r.of_particles:
+        if r.scene["Body/Material"] != "law file":
+            return (f"{r.scene['Body/Material']}, volumes of {r.scene['Volumes/Particles']} "
+                    f"spheres, packing seed {r.about['packing_seed']:g}, strength seed "
+                    f"{r.about['strength_seed']:g}")
         return f"law {Path(r.scene['Body/Law']).name}"
     parts = [f"packing seed {r.about['packing_seed']:g}" if r.scene["Specimen/Source"] == "generate"
              else f"particles from {r.scene['Specimen/File']}"]

@@ -17,6 +17,7 @@ using fem::Vec6;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double without_strength = 1e300; ///< overload of a bond of strength 0
 constexpr int n_instants = 8;
 constexpr int deepest_search = 5;
 
@@ -70,7 +71,7 @@ Vec6 VolumePoints::smooth_rate(std::size_t point, const Instant& at) const
     const Vec6 growth = at.share * growth_[point];
     creep_.advance(at.part, elastic_[point], growth, branches);
     const Vec6 slope = h > 0 ? Vec6(growth_[point] / h) : slope_[point];
-    const double pace = h > 0 ? h / duration_ : 1; // reduced time over real time
+    const double pace = h > 0 ? h / duration_ : pace_;
     return pace * (slope + creep_.rate(elastic_[point] + growth, branches));
   }
   const Vec6 before = at.from > time_ && duration_ > 0
@@ -149,7 +150,8 @@ double VolumePoints::overload()
       continue;
     if (live_[q])
       look_at(q);
-    overload_[q] = (live_[q] ? looks_[q].seen.ratio : ratio(q, elastic_[q])) / strength;
+    const double loaded = live_[q] ? looks_[q].seen.ratio : ratio(q, elastic_[q]);
+    overload_[q] = std::min(loaded / strength, without_strength);
     worst = std::max(worst, overload_[q]);
   }
   return worst >= enough ? std::max(1., worst) : worst;
@@ -170,11 +172,21 @@ std::vector<dem::BondStatus> VolumePoints::changed_status(std::size_t point, dou
   return status;
 }
 
+/// Overload from which on bonds break together with the most loaded one: within the tolerance of
+/// it, or, far beyond the strength, where its logarithm is down by ten times the tolerance.
+double VolumePoints::least_overload(double largest) const
+{
+  const double tolerance = settings_.breakage_tolerance;
+  if (largest >= without_strength)
+    return without_strength;
+  const double near = (1 - tolerance) * largest;
+  const double beyond = std::pow(largest, 1 - std::min(0.5, 10 * tolerance));
+  return std::max(1 - tolerance, std::min(near, beyond));
+}
+
 void VolumePoints::change(double largest_overload)
 {
-  const double enough = 1 - settings_.breakage_tolerance;
-  const double least =
-      largest_overload < infinity ? enough * std::max(1., largest_overload) : infinity;
+  const double least = largest_overload < infinity ? least_overload(largest_overload) : infinity;
   const Instant now = instant(0);
   std::vector<std::size_t> points;
   std::vector<std::vector<dem::BondStatus>> status;

@@ -67,7 +67,7 @@ VolumePoints::VolumePoints(std::vector<VolumeFamily> families, std::vector<int> 
     : families_(std::move(families)), family_of_point_(std::move(family_of_point)),
       size_ratio_(std::move(size_ratio)), settings_(settings), creep_(shared_law(families_)),
       start_(start), least_factor_(dem::strength_factor(settings.rate_law, 0)),
-      window_(family_of_point_.size()), time_(start)
+      window_(family_of_point_.size()), time_(start), pace_(settings.first_pace)
 {
   assert(size_ratio_.size() == size());
   const std::size_t n = size();
@@ -164,6 +164,8 @@ void VolumePoints::commit()
     strain_[q] += trial_increment_[q];
     stress_[q] = trial_stress_[q];
   }
+  if (h > 0)
+    pace_ = h / duration_;
   time_ += duration_;
   duration_ = 0;
   if (h > 0 || !has_changed_)
@@ -186,6 +188,7 @@ void VolumePoints::make_live(std::span<const std::size_t> points,
   const auto work = [&](int k) {
     const std::size_t q = points[std::size_t(k)];
     const double since = live_[q] && live_[q]->damage->n_broken > 0 ? live_[q]->since : time_;
+    looks_[q] = {};
     live_[q] = std::make_shared<const LiveVolume>(
         live_volume(family(q), family(q).element->answer(std::move(status[std::size_t(k)])),
                     size_ratio_[q], since));

@@ -30,9 +30,11 @@ struct VolumeSettings {
   VolumeUse use = VolumeUse::adaptive;
   dem::RateLaw rate_law;
   /// Bonds that reach this share below their strength, or below the most loaded one, break
-  /// together with it.
+  /// together with it. Where that is far beyond its strength, so do those whose overload has a
+  /// logarithm that is less by ten times this share.
   double breakage_tolerance = 1e-6;
   int n_threads = 1;
+  double first_pace = 1; ///< reduced time over real time at the start [-]
 };
 
 /// A volume that has changed, and what it is for its point: a value.
@@ -125,6 +127,7 @@ private:
   double share_until_opening(std::size_t point) const;
   double crossing(std::size_t point, double from, double to) const;
   fem::Vec6 in_volume(std::size_t point, const fem::Vec6& elastic) const;
+  double least_overload(double largest) const;
   std::span<const fem::Vec6> kelvin(std::size_t point) const;
   std::vector<dem::BondStatus> changed_status(std::size_t point, double at_least) const;
   void make_live(std::span<const std::size_t> points,
@@ -147,8 +150,8 @@ private:
   double time_, last_step_ = 0;
   bool has_changed_ = false; ///< since the last commit
 
-  double duration_ = 0;
-  SharedCreep::Part part_; ///< of the whole trial step
+  double duration_ = 0, pace_; ///< [s]; reduced over real time of the last step
+  SharedCreep::Part part_;     ///< of the whole trial step
   std::vector<fem::Mat6> tangents_;
   std::vector<int> which_;
   std::vector<fem::Vec6> trial_stress_, trial_increment_, growth_;
@@ -157,8 +160,8 @@ private:
   /// A live volume when all its bonds were looked at last: nothing can happen near that strain.
   struct Look {
     const LiveVolume* at = nullptr;
-    fem::Vec6 strain; ///< elastic, of the volume
-    dem::Look seen;
+    fem::Vec6 strain = fem::Vec6::Zero(); ///< elastic, of the volume
+    dem::Look seen{};
   };
   std::vector<Look> looks_;
 };

@@ -71,6 +71,7 @@ void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
            ++k, packed /= 4)
         status[k] = dem::BondStatus(packed % 4);
     }
+    looks_[point] = {};
     live_[point] = std::make_shared<const LiveVolume>(
         live_volume(family(point), family(point).element->answer(std::move(status)),
                     size_ratio_[point], since));

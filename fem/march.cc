@@ -56,27 +56,28 @@ void commit(Specimen<dim>& specimen, MaterialPoints& points)
 }
 
 /// Changes the points that are overloaded, most loaded first, and restores equilibrium, until none
-/// is.
+/// is, or so often.
 template <int dim>
 void settle(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
-            const LoadState& load)
+            const History& history)
 {
-  while (true) {
-    const double overload =
-        dealii::Utilities::MPI::max(points.overload(), specimen.elements().ranks());
-    if (overload < 1)
+  const MPI_Comm ranks = specimen.elements().ranks();
+  state.is_settled = false;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const double overload = dealii::Utilities::MPI::max(points.overload(), ranks);
+    state.is_settled = overload < 1;
+    if (state.is_settled)
       return;
     points.change(overload);
     ++state.n_changes;
     try {
-      attempt(specimen, points, state, load, 0, 0);
+      attempt(specimen, points, state, history.load(state.time), 0, 0);
     } catch (const std::runtime_error&) { // on all ranks alike
       state.has_lost = true;
       return;
     }
     commit(specimen, points);
-    state.has_lost = dealii::Utilities::MPI::max(largest_strain(points),
-                                                 specimen.elements().ranks()) > strain_at_rupture;
+    state.has_lost = dealii::Utilities::MPI::max(largest_strain(points), ranks) > strain_at_rupture;
     if (state.has_lost)
       return;
   }
@@ -109,7 +110,7 @@ void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
   const LoadState load = history.load(state.time);
   attempt(specimen, points, state, load, 0, 0);
   commit(specimen, points);
-  settle(specimen, points, state, load);
+  settle(specimen, points, state, history);
   state.next_step = 0;
 }
 
@@ -117,6 +118,10 @@ template <int dim>
 void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                 const History& history, const StepSettings& settings, double stop)
 {
+  if (!state.is_settled) {
+    settle(specimen, points, state, history);
+    return;
+  }
   constexpr double least_share = 1e-12; // of the way to the stop
   const double way = stop - state.time;
   double h = state.next_step > 0 ? state.next_step : settings.first_step;
@@ -134,7 +139,7 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
       commit(specimen, points);
       const bool whole = held == h;
       state.time = whole ? end : state.time + held;
-      settle(specimen, points, state, whole ? load : history.load(state.time));
+      settle(specimen, points, state, history);
       state.error_sum += error;
       state.size = size;
       ++state.n_steps;

@@ -87,7 +87,7 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                    "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
                    "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study, Volume "
-                   "element, Body, Continuum, Probes, Expect, "
+                   "element, Body, Continuum, Volumes, Probes, Expect, "
                    "Repeat"}));
 }
 

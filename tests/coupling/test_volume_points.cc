@@ -153,6 +153,20 @@ TEST(VolumePoints, BreakWhereForceMeetsStrength)
   EXPECT_GE(point.points.n_broken(), 1u);
 }
 
+TEST(VolumePoints, BondsWithoutStrengthBreakUnderTheFirstLoad)
+{
+  dem::VolumeElement element = elements::random_cube(60, 1);
+  dem::Strengths strengths = weibull(element, 1e3, 0.5);
+  for (std::size_t b = 0; b < strengths.normal.size(); b += 10)
+    strengths.normal[b] = strengths.shear[b] = 0;
+  const std::size_t n_weak = (strengths.normal.size() + 9) / 10;
+  Point point(make_family(std::move(element), std::move(strengths), dem::AfterBreakage::pressed),
+              {});
+  point.march(1e-3 * some_strain(), 1e-3);
+  EXPECT_EQ(point.points.n_broken(), n_weak);
+  EXPECT_TRUE(point.points.stress()[0].allFinite());
+}
+
 TEST(VolumePoints, TheirOwnSizeChangesNothing)
 {
   const VolumeFamily family = random_family(60, 10, dem::AfterBreakage::leave);

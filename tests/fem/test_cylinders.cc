@@ -133,7 +133,7 @@ TEST(ThickCylinder, MarchFollowsTheTableAtAllTimes)
   Specimen<2> specimen(section(0.25), {3}, plane_strain, 1e-12);
   const ComplianceLaw law = bodies::burgers_in_shear();
   LawPoints points(std::span(&law, 1), std::vector<int>(specimen.elements().n_points(), 0),
-                        TimeScheme::stress_linear);
+                   TimeScheme::stress_linear);
   const Probes<2> probes(specimen, {{inner, 0, 0.1}, {0, 1.5, 0.1}, {outer, 0, 0.1}});
   const auto loads = [](double) { return LoadState{true, 0, 1}; };
   const History history{loads, loads, [](double t) { return t; }};
