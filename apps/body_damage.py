@@ -52,7 +52,8 @@ def draw_section(axes, damage, name, label, colours):
     axes.autoscale_view()
     axes.grid(False)
     axes.set(xlabel="x [mm]", ylabel="z [mm]")
-    axes.figure.colorbar(cells, cax=axes.inset_axes([1.04, 0.05, 0.04, 0.9]), label=label)
+    axes.figure.colorbar(cells, cax=axes.inset_axes([0.1, 1.03, 0.8, 0.03]), label=label,
+                         orientation="horizontal", ticklocation="top")
 
 
 def draw_sections(sheet, result):

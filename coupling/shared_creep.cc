@@ -58,11 +58,15 @@ void SharedCreep::advance(const Part& part, const fem::Vec6& elastic, const fem:
     kelvin[k] += part.held[k] * elastic - part.decay[k] * kelvin[k] + part.growth[k] * growth;
 }
 
-fem::Vec6 SharedCreep::rate(const fem::Vec6& elastic, std::span<const fem::Vec6> kelvin) const
+fem::Vec6 SharedCreep::rate(const Part& part, const fem::Vec6& elastic, const fem::Vec6& growth,
+                            std::span<const fem::Vec6> kelvin) const
 {
-  fem::Vec6 sum = fluidity_ * elastic;
-  for (std::size_t k = 0; k < branch_.size(); ++k)
-    sum += (branch_[k].share * elastic - kelvin[k]) / branch_[k].time;
+  fem::Vec6 sum = fluidity_ * (elastic + growth);
+  for (std::size_t k = 0; k < branch_.size(); ++k) {
+    const fem::Vec6 now =
+        kelvin[k] + part.held[k] * elastic - part.decay[k] * kelvin[k] + part.growth[k] * growth;
+    sum += (branch_[k].share * (elastic + growth) - now) / branch_[k].time;
+  }
   return sum;
 }
 

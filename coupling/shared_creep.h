@@ -39,8 +39,9 @@ public:
   void advance(const Part& part, const fem::Vec6& elastic, const fem::Vec6& growth,
                std::span<fem::Vec6> kelvin) const;
 
-  /// Rate of the creeping parts, per reduced time [1/s].
-  fem::Vec6 rate(const fem::Vec6& elastic, std::span<const fem::Vec6> kelvin) const;
+  /// Rate of the creeping parts at the end of a part, per reduced time [1/s].
+  fem::Vec6 rate(const Part& part, const fem::Vec6& elastic, const fem::Vec6& growth,
+                 std::span<const fem::Vec6> kelvin) const;
 
   /// Strain of a constant unit of e over a part, without what the branches have: what an error of e
   /// in the middle of a step costs.

@@ -67,12 +67,10 @@ Vec6 VolumePoints::smooth_rate(std::size_t point, const Instant& at) const
   const double span = at.time - at.from;
   if (is_instantaneous(settings_.rate_law) || !(span > 1e-14 * std::abs(at.time))) {
     const double h = part_.duration;
-    std::vector<Vec6> branches(kelvin(point).begin(), kelvin(point).end());
     const Vec6 growth = at.share * growth_[point];
-    creep_.advance(at.part, elastic_[point], growth, branches);
     const Vec6 slope = h > 0 ? Vec6(growth_[point] / h) : slope_[point];
     const double pace = h > 0 ? h / duration_ : pace_;
-    return pace * (slope + creep_.rate(elastic_[point] + growth, branches));
+    return pace * (slope + creep_.rate(at.part, elastic_[point], growth, kelvin(point)));
   }
   const Vec6 before = at.from > time_ && duration_ > 0
                           ? smooth_strain(point, (at.from - time_) / duration_, at.from_part)
@@ -217,6 +215,9 @@ double VolumePoints::share_until_breakage(std::size_t point, std::span<const Ins
   const Vec6 end = elastic_[point] + growth_[point];
   const double bound = std::max(ratio_bound(point, elastic_[point]), ratio_bound(point, end));
   if (!(bound >= least_factor_) || bound == 0)
+    return 1;
+  // strengths do not fall to half of what they are at both ends, and rise again, within a step
+  if (bound < 0.5 * std::min(factor(point, instants.front()), factor(point, instants.back())))
     return 1;
   std::vector<double> factors;
   for (const Instant& at : instants)
