@@ -33,7 +33,7 @@ constexpr Index links_worth_threads = 50'000;
 /// Relative residual to which a Newton step is solved.
 double linear_tolerance(double residual, double wanted)
 {
-  return std::clamp(0.3 * wanted / residual, 1e-10, 1e-2);
+  return std::clamp(0.3 * wanted / residual, 1e-3, 1e-2);
 }
 
 /// Whether a search near equilibrium has come no nearer for some iterations: what is left concerns

@@ -7,14 +7,14 @@ namespace dem {
 namespace {
 
 /// Iterations that cost as much as a factorisation.
-constexpr long iterations_per_factorisation = 8;
+constexpr long iterations_per_factorisation = 10;
 /// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
 constexpr long free_iterations = 3;
 constexpr long most_iterations = 120;
 /// With a stale factor the residual need not be smaller than this share after so many iterations:
 /// the next Newton step does better. More than the last share after a few means that the factor is
 /// too far off.
-constexpr long enough_iterations = 8, few_iterations = 5, most_stale_iterations = 12;
+constexpr long enough_iterations = 8, few_iterations = 4, most_stale_iterations = 12;
 constexpr double enough_then = 0.03, enough_at_last = 0.1, hopeless = 0.6;
 /// After so many failures in a row a stale factor is tried for every so manieth solution still.
 constexpr long most_failures = 5;
