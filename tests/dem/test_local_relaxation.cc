@@ -119,14 +119,9 @@ TEST(LocalRelaxation, LeavesTheForcesOnAllBodiesAsTheyAre)
   Index body = 0;
   while (now.model.dofs.first_dof[body] < 0)
     ++body;
-  const EquilibriumProblem problem{now.step,
-                                   &now.links_of,
-                                   now.hold,
-                                   now.external,
-                                   [](double) { return 1.0; },
-                                   0,
-                                   1e-6,
-                                   now.laws[0].stiffness()};
+  const EquilibriumProblem problem{
+      now.step, &now.links_of,          now.hold, now.external, [](double) { return 1.0; }, 0,
+      1e-6,     now.laws[0].stiffness()};
   Eigen::VectorXd guess = now.external;
   guess[now.model.dofs.first_dof[body]] = 1e-4;
   EquilibriumFinder finder(now.model.dofs, 1), other(now.model.dofs, 1);
