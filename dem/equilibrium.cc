@@ -20,15 +20,20 @@ constexpr double lingering_share = 1e-2;
 constexpr int plain_iterations = 6;
 constexpr int most_shortenings = 7;
 /// Local searches in a row, as long as each leaves this share of what was out of balance.
-constexpr int most_relaxations = 6;
-constexpr double relaxation_pays = 0.3;
+constexpr int most_relaxations = 10;
+constexpr double relaxation_pays = 0.6;
+/// A step with local searches counts if it leaves this share of what was out of balance.
+constexpr double acceptable_share = 0.95;
+/// Hold of every body in the tangent, over the stiffness of links: one that hardly anything else
+/// holds does not fly off. It changes the way to equilibrium, not the equilibrium.
+constexpr double tangent_hold = 1e-4;
 /// Below, waking a thread takes longer than the work.
 constexpr Index links_worth_threads = 50'000;
 
 /// Relative residual to which a Newton step is solved.
 double linear_tolerance(double residual, double wanted)
 {
-  return std::clamp(0.3 * wanted / residual, 1e-10, 1e-2);
+  return std::clamp(0.3 * wanted / residual, 1e-3, 1e-2);
 }
 
 /// Whether a search near equilibrium has come no nearer for some iterations: what is left concerns
@@ -69,52 +74,50 @@ Configuration EquilibriumFinder::configuration(const EquilibriumProblem& problem
   return at;
 }
 
-EquilibriumFinder::Residual EquilibriumFinder::evaluate(const EquilibriumProblem& problem,
-                                                        const Eigen::VectorXd& x,
-                                                        Equilibrium& result)
+void EquilibriumFinder::evaluate_link(const EquilibriumProblem& problem, Index k,
+                                      const Configuration& at)
 {
-  ++n_evaluations_;
-  const LinkStep& step = problem.step;
-  result.at = configuration(problem, x);
-  const auto n_links = Index(step.start->link.size());
-#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
-  for (Index k = 0; k < n_links; ++k) {
-    const LinkAnswer link = answer(step, std::size_t(k), result.at);
-    matrix_.tangent[k] = link.tangent;
-    force_[k] = link.force;
-    moment_[k] = link.moment;
-  }
-  const auto n = Index(dofs_.first_dof.size());
-  Residual residual{problem.external, 0};
-  std::vector<double> on_top(n, 0.0);
-#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
-  for (Index i = 0; i < n; ++i) {
-    const Index dof = dofs_.first_dof[i];
-    if (dof < 0 && dofs_.support[i] != Support::top)
+  const LinkAnswer link = answer(problem.step, std::size_t(k), at);
+  matrix_.tangent[k] = link.tangent;
+  force_[k] = link.force;
+  moment_[k] = link.moment;
+}
+
+void EquilibriumFinder::evaluate_body(const EquilibriumProblem& problem, Index i,
+                                      const Eigen::VectorXd& x, Eigen::VectorXd& residual)
+{
+  const Index dof = dofs_.first_dof[i];
+  if (dof < 0 && dofs_.support[i] != Support::top)
+    return;
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  for (Index p = problem.body_links->start[i]; p < problem.body_links->start[i + 1]; ++p) {
+    const Index k = problem.body_links->link[p];
+    const LinkTangent& t = matrix_.tangent[k];
+    if (!t.carries())
       continue;
-    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-    for (Index p = problem.body_links->start[i]; p < problem.body_links->start[i + 1]; ++p) {
-      const Index k = problem.body_links->link[p];
-      const LinkTangent& t = matrix_.tangent[k];
-      if (!t.carries())
-        continue;
-      const bool is_first = matrix_.ends[k][0] == i;
-      const double sign = is_first ? 1 : -1, arm = is_first ? t.arm_first : t.arm_second;
-      force += sign * force_[k];
-      moment += sign * moment_[k] + arm * t.normal.cross(force_[k]);
-    }
-    if (dof >= 0) {
-      residual.force.segment<3>(dof) += force - problem.hold[i] * x.segment<3>(dof);
-      residual.force.segment<3>(dof + 3) +=
-          moment / dofs_.radius[i] - problem.hold[i] * x.segment<3>(dof + 3);
-    } else
-      on_top[i] = force.z();
+    const bool is_first = matrix_.ends[k][0] == i;
+    const double sign = is_first ? 1 : -1, arm = is_first ? t.arm_first : t.arm_second;
+    force += sign * force_[k];
+    moment += sign * moment_[k] + arm * t.normal.cross(force_[k]);
   }
+  if (dof >= 0) {
+    const double hold = problem.hold[i];
+    residual.segment<3>(dof) = problem.external.segment<3>(dof) + force - hold * x.segment<3>(dof);
+    residual.segment<3>(dof + 3) = problem.external.segment<3>(dof + 3) + moment / dofs_.radius[i] -
+                                   hold * x.segment<3>(dof + 3);
+  } else
+    on_top_[i] = force.z();
+}
+
+/// What all links and bodies together give.
+void EquilibriumFinder::sum_up(const EquilibriumProblem& problem, Equilibrium& result,
+                               Residual& residual) const
+{
   double upward = 0;
-  for (const double each : on_top)
+  for (const double each : on_top_)
     upward += each;
   if (dofs_.platen_dof >= 0) {
-    result.platen_force = problem.platen_force(x[dofs_.platen_dof]);
+    result.platen_force = problem.platen_force(result.x[dofs_.platen_dof]);
     residual.force[dofs_.platen_dof] = upward + result.platen_force;
   } else
     result.platen_force = -upward;
@@ -129,7 +132,50 @@ EquilibriumFinder::Residual EquilibriumFinder::evaluate(const EquilibriumProblem
       result.worst_body = d;
     }
   residual.largest = result.residual;
+}
+
+EquilibriumFinder::Residual EquilibriumFinder::evaluate(const EquilibriumProblem& problem,
+                                                        const Eigen::VectorXd& x,
+                                                        Equilibrium& result)
+{
+  ++n_evaluations_;
+  result.at = configuration(problem, x);
+  const auto n_links = Index(matrix_.tangent.size());
+#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
+  for (Index k = 0; k < n_links; ++k)
+    evaluate_link(problem, k, result.at);
+  const auto n = Index(dofs_.first_dof.size());
+  Residual residual{problem.external, 0};
+  on_top_.assign(n, 0.0);
+#pragma omp parallel for num_threads(n_threads_) schedule(static) if (n_links > links_worth_threads)
+  for (Index i = 0; i < n; ++i)
+    evaluate_body(problem, i, x, residual.force);
+  sum_up(problem, result, residual);
   return residual;
+}
+
+/// The same as `evaluate` where only these bodies have moved since.
+void EquilibriumFinder::evaluate_near(const EquilibriumProblem& problem,
+                                      std::span<const Index> moved, Equilibrium& result,
+                                      Residual& residual)
+{
+  std::vector<Index> links, bodies;
+  for (const Index i : moved)
+    links.insert(links.end(), problem.body_links->link.begin() + problem.body_links->start[i],
+                 problem.body_links->link.begin() + problem.body_links->start[i + 1]);
+  const auto each_once = [](std::vector<Index>& numbers) {
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  };
+  each_once(links);
+  for (const Index k : links) {
+    evaluate_link(problem, k, result.at);
+    bodies.insert(bodies.end(), matrix_.ends[k].begin(), matrix_.ends[k].end());
+  }
+  each_once(bodies);
+  for (const Index i : bodies)
+    evaluate_body(problem, i, result.x, residual.force);
+  sum_up(problem, result, residual);
 }
 
 /// Brings bodies at which a step was wrong to rest with all others held.
@@ -144,9 +190,12 @@ void EquilibriumFinder::relax(const EquilibriumProblem& problem, double wanted, 
       return;
     const double before = residual.force.norm();
     const Eigen::VectorXd from = result.x;
-    for (const std::vector<Index>& group : groups)
+    std::vector<Index> moved;
+    for (const std::vector<Index>& group : groups) {
       relax_group(local, group, result.at, result.x);
-    residual = evaluate(problem, result.x, result);
+      moved.insert(moved.end(), group.begin(), group.end());
+    }
+    evaluate_near(problem, moved, result, residual);
     const double now = residual.force.norm();
     if (!(now < before))
       residual = evaluate(problem, result.x = from, result);
@@ -167,7 +216,7 @@ void EquilibriumFinder::advance(const EquilibriumProblem& problem, const Eigen::
   residual = evaluate(problem, result.x = full, result);
   if (std::isfinite(residual.largest) && residual.largest > wanted) {
     relax(problem, wanted, result, residual);
-    if (residual.force.norm() < 0.5 * before)
+    if (residual.force.norm() < acceptable_share * before)
       return;
     if (result.x != full)
       residual = evaluate(problem, result.x = full, result);
@@ -196,6 +245,8 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
     matrix_.ends[k] = {start.link[k].first, start.link[k].second};
   matrix_.tangent.resize(start.link.size());
   matrix_.hold = problem.hold;
+  for (double& each : matrix_.hold)
+    each += tangent_hold * problem.stiffness;
   force_.resize(start.link.size());
   moment_.resize(start.link.size());
   Equilibrium result;

@@ -56,6 +56,12 @@ private:
   Configuration configuration(const EquilibriumProblem& problem, const Eigen::VectorXd& x) const;
   Residual evaluate(const EquilibriumProblem& problem, const Eigen::VectorXd& x,
                     Equilibrium& result);
+  void evaluate_near(const EquilibriumProblem& problem, std::span<const Index> moved,
+                     Equilibrium& result, Residual& residual);
+  void evaluate_link(const EquilibriumProblem& problem, Index k, const Configuration& at);
+  void evaluate_body(const EquilibriumProblem& problem, Index i, const Eigen::VectorXd& x,
+                     Eigen::VectorXd& residual);
+  void sum_up(const EquilibriumProblem& problem, Equilibrium& result, Residual& residual) const;
   void relax(const EquilibriumProblem& problem, double wanted, Equilibrium& result,
              Residual& residual);
   void advance(const EquilibriumProblem& problem, const Eigen::VectorXd& direction, double wanted,
@@ -66,6 +72,7 @@ private:
   StaleFactor factor_;
   LinkMatrix matrix_;
   std::vector<Vec3> force_, moment_;
+  std::vector<double> on_top_; ///< force of each body that is part of the upper platen [N]
   long n_evaluations_ = 0;
 };
 

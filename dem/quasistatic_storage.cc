@@ -106,7 +106,8 @@ void write_wear(Hdf5File& file, const std::string& group, const StaleFactor::Wea
              "N/m");
   file.set_attribute(group, "stiffness", wear.factorised ? wear.factorised->stiffness : 0.0);
   file.set_attribute(group, "extra_iterations", double(wear.extra_iterations));
-  file.set_attribute(group, "failed", double(wear.failed));
+  file.set_attribute(group, "failures", double(wear.n_failures));
+  file.set_attribute(group, "fresh", double(wear.n_fresh));
 }
 
 StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
@@ -120,7 +121,8 @@ StaleFactor::Wear read_wear(const Hdf5File& file, const std::string& group)
   factorised->values = file.read_doubles(group + "/values");
   factorised->stiffness = file.number_attribute(group, "stiffness");
   return {std::move(factorised), long(file.number_attribute(group, "extra_iterations")),
-          file.number_attribute(group, "failed") != 0};
+          long(file.number_attribute(group, "failures")),
+          long(file.number_attribute(group, "fresh"))};
 }
 
 } // namespace

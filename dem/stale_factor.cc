@@ -7,15 +7,17 @@ namespace dem {
 namespace {
 
 /// Iterations that cost as much as a factorisation.
-constexpr long iterations_per_factorisation = 8;
+constexpr long iterations_per_factorisation = 10;
 /// Iterations that a fresh factor needs as well, for the tolerance of a Newton step.
 constexpr long free_iterations = 3;
 constexpr long most_iterations = 120;
 /// With a stale factor the residual need not be smaller than this share after so many iterations:
 /// the next Newton step does better. More than the last share after a few means that the factor is
 /// too far off.
-constexpr long enough_iterations = 8, few_iterations = 5, most_stale_iterations = 12;
+constexpr long enough_iterations = 8, few_iterations = 4, most_stale_iterations = 12;
 constexpr double enough_then = 0.03, enough_at_last = 0.1, hopeless = 0.6;
+/// After so many failures in a row a stale factor is tried for every so manieth solution still.
+constexpr long most_failures = 5;
 /// Links that carry outside the pattern before it is analysed anew.
 constexpr std::size_t most_outside = 4;
 
@@ -89,12 +91,15 @@ std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
                                                   const Eigen::VectorXd& b, double tolerance,
                                                   double stiffness, int n_threads)
 {
-  const bool worn = wear_.failed || wear_.extra_iterations > iterations_per_factorisation;
-  wear_.failed = false;
+  const bool worn = wear_.n_fresh > 0 || wear_.extra_iterations > iterations_per_factorisation;
+  wear_.n_fresh = std::max(0L, wear_.n_fresh - 1);
   if (wear_.factorised && !worn) {
-    if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, true))
+    if (auto x = iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, true)) {
+      wear_.n_failures = 0;
       return x;
-    wear_.failed = true;
+    }
+    wear_.n_failures = std::min(wear_.n_failures + 1, most_failures);
+    wear_.n_fresh = wear_.n_failures;
   }
   factorise(matrix, dofs, stiffness);
   return iterate(matrix, body_links, dofs, b, tolerance, stiffness, n_threads, false);

@@ -18,7 +18,8 @@ struct FactorisedMatrix {
 /// Between two factorisations bonds break, contacts close and slide, and the step changes: the
 /// tangent differs by a few ranks and a factor, so that a few iterations do. When their extra cost
 /// since the last factorisation exceeds that of a new one, it is factorised anew, and so it is for
-/// the solution after one for which a stale factor was too far off: in an avalanche that is too.
+/// some solutions after one for which a stale factor was too far off, for more of them the more
+/// often that happened in a row: in an avalanche it will be so again.
 /// With a stale factor the residual is driven down only as far as that pays within a Newton search.
 /// The pattern is analysed anew when links that carry lie outside it.
 class StaleFactor {
@@ -32,7 +33,8 @@ public:
   struct Wear {
     std::shared_ptr<const FactorisedMatrix> factorised;
     long extra_iterations = 0;
-    bool failed = false; ///< was too far off: the next solution begins with a factorisation
+    long n_failures = 0; ///< in a row: the factor was too far off
+    long n_fresh = 0;    ///< solutions that begin with a factorisation before it is tried again
   };
 
   /// Takes over the factor of another run.

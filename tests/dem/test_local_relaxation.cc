@@ -108,3 +108,28 @@ TEST(LocalRelaxation, GroupsHoldWhatIsOutOfBalanceAndItsNeighbours)
   residual.setConstant(10);
   EXPECT_TRUE(unbalanced_groups(now.problem(1), tangent, residual).empty());
 }
+
+TEST(LocalRelaxation, LeavesTheForcesOnAllBodiesAsTheyAre)
+{
+  // A loose sphere that is thrown onto the block makes the search relax; beginning anew at what was
+  // found must show the same forces, to the last bit.
+  Assembly assembly = assemblies::block(4, 5, asphalt_law, 3);
+  assembly.pair_laws = {assemblies::one_law};
+  Instant now(assembly);
+  Index body = 0;
+  while (now.model.dofs.first_dof[body] < 0)
+    ++body;
+  const EquilibriumProblem problem{
+      now.step, &now.links_of,          now.hold, now.external, [](double) { return 1.0; }, 0,
+      1e-6,     now.laws[0].stiffness()};
+  Eigen::VectorXd guess = now.external;
+  guess[now.model.dofs.first_dof[body]] = 1e-4;
+  EquilibriumFinder finder(now.model.dofs, 1), other(now.model.dofs, 1);
+  const Equilibrium found = finder.find(problem, guess);
+  ASSERT_TRUE(found.found);
+  const Equilibrium again = other.find(problem, found.x);
+  EXPECT_EQ(again.n_iterations, 0);
+  EXPECT_EQ(again.residual, found.residual);
+  EXPECT_EQ(again.platen_force, found.platen_force);
+  EXPECT_EQ(again.largest_force, found.largest_force);
+}
