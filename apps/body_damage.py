@@ -50,10 +50,11 @@ def draw_section(axes, damage, name, label, colours):
     axes.add_collection(cells)
     axes.set_aspect("equal")
     axes.autoscale_view()
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right + 0.35 * (right - left))  # room for the colours
     axes.grid(False)
     axes.set(xlabel="x [mm]", ylabel="z [mm]")
-    axes.figure.colorbar(cells, cax=axes.inset_axes([0.1, 1.03, 0.8, 0.03]), label=label,
-                         orientation="horizontal", ticklocation="top")
+    axes.figure.colorbar(cells, cax=axes.inset_axes([0.81, 0.05, 0.035, 0.9]), label=label)
 
 
 def draw_sections(sheet, result):

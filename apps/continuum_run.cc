@@ -66,6 +66,8 @@ bool drive(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
       return false;
     }
     const bool over = has_ended(run);
+    if (over && run.loading.control == dem::Loading::Control::force)
+      record_state_before(run);
     if (over || Stops::holds(stops.history, stop))
       record_history(run);
     if (over || Stops::holds(stops.fields, stop))

@@ -234,6 +234,22 @@ void record_history(ContinuumInProgress<dim>& run)
 }
 
 template <int dim>
+void record_state_before(ContinuumInProgress<dim>& run)
+{
+  if (run.record.history.empty() || !(run.last_time > run.record.history.back().time))
+    return;
+  dem::Response row = run.record.history.back();
+  const double motion_before = row.strain * run.face.length;
+  row.strain_rate =
+      (run.last_motion - motion_before) / (run.last_time - row.time) / run.face.length;
+  row.time = run.last_time;
+  row.strain = run.last_motion / run.face.length;
+  row.force = has_platens(*run.scene.scene) ? run.specimen->drive_force()
+                                            : dem::load_value(run.loading, run.last_time);
+  run.record.history.push_back(row);
+}
+
+template <int dim>
 void record_fields(ContinuumInProgress<dim>& run, const std::filesystem::path& folder)
 {
   if (!run.scene.scene->output.paraview)
@@ -261,6 +277,8 @@ template void record_history(ContinuumInProgress<2>&);
 template void record_history(ContinuumInProgress<3>&);
 template void record_fields(ContinuumInProgress<2>&, const std::filesystem::path&);
 template void record_fields(ContinuumInProgress<3>&, const std::filesystem::path&);
+template void record_state_before(ContinuumInProgress<2>&);
+template void record_state_before(ContinuumInProgress<3>&);
 template fem::Vec3 most_strained_place(const ContinuumInProgress<2>&);
 template fem::Vec3 most_strained_place(const ContinuumInProgress<3>&);
 template double motion(const ContinuumInProgress<2>&);

@@ -40,6 +40,10 @@ fem::Vec3 most_strained_place(const ContinuumInProgress<dim>& run);
 template <int dim>
 void record_history(ContinuumInProgress<dim>& run);
 
+/// Appends to the history the state before the last step, in which the test has come to its end.
+template <int dim>
+void record_state_before(ContinuumInProgress<dim>& run);
+
 /// Writes the present fields for ParaView, if they are wanted.
 template <int dim>
 void record_fields(ContinuumInProgress<dim>& run, const std::filesystem::path& folder);
