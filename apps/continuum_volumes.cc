@@ -152,12 +152,8 @@ coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads, doub
 
 VolumeReading volume_reading(const coupling::VolumePoints& points, const Ranks& ranks, double time)
 {
-  double use = 0, n_live = 0;
-  for (std::size_t q = 0; q < points.size(); ++q) {
-    use = std::max(use, points.strength_use(q));
-    n_live += points.live(q) ? 1 : 0;
-  }
-  double sums[] = {double(points.n_broken()), double(points.n_bonds()), n_live,
+  double use = points.largest_strength_use();
+  double sums[] = {double(points.n_broken()), double(points.n_bonds()), double(points.n_live()),
                    double(points.size()), double(points.failed().size())};
   MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, ranks.all());
   MPI_Allreduce(MPI_IN_PLACE, &use, 1, MPI_DOUBLE, MPI_MAX, ranks.all());

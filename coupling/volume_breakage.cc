@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 // When the points of a body change: rates, strengths, and the search for the next breakage.
@@ -120,6 +121,26 @@ double VolumePoints::strength_use(std::size_t point) const
 {
   const double loaded = ratio(point, elastic_[point]);
   return loaded > 0 ? loaded / factor(point, instant(0)) : 0;
+}
+
+double VolumePoints::largest_strength_use() const
+{
+  const Instant now = instant(0);
+  std::vector<std::pair<double, std::size_t>> bounds;
+  for (std::size_t q = 0; q < size(); ++q)
+    if (const double bound = ratio_bound(q, elastic_[q]); bound > 0)
+      bounds.emplace_back(bound / factor(q, now), q);
+  constexpr std::size_t most = 100;
+  const auto end = bounds.begin() + long(std::min(most, bounds.size()));
+  std::partial_sort(bounds.begin(), end, bounds.end(), std::greater());
+  bounds.erase(end, bounds.end());
+  double largest = 0;
+  for (const auto& [bound, q] : bounds) {
+    if (bound <= largest)
+      break;
+    largest = std::max(largest, strength_use(q));
+  }
+  return largest;
 }
 
 double VolumePoints::overload()

@@ -103,6 +103,9 @@ public:
   /// Largest force over present strength among the bonds of a point [-]; at 1 one breaks.
   double strength_use(std::size_t point) const;
 
+  /// The largest of the hundred points whose upper bound of it is largest.
+  double largest_strength_use() const;
+
   std::size_t n_live() const { return n_live_; } ///< points with a volume of their own
   std::size_t n_broken() const;                  ///< bonds that are not intact, of all points
   std::size_t n_bonds() const;                   ///< of all points

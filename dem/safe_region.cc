@@ -140,12 +140,13 @@ double ratio_bound(const SafeRegion& region, const Vec6& strain)
 {
   if (region.is_empty)
     return strain.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
-  double bound = std::sqrt(std::max(0., strain.dot(region.ellipsoid * strain)));
+  double square = std::max(0., strain.dot(region.ellipsoid * strain)), tension = 0;
   for (Eigen::Index k = 0; k < region.rows.rows(); k += 3) {
     const Vec3 ratios = region.rows.middleRows<3>(k) * strain;
-    bound = std::max({bound, ratios[0], std::hypot(ratios[1], ratios[2])});
+    tension = std::max(tension, ratios[0]);
+    square = std::max(square, ratios[1] * ratios[1] + ratios[2] * ratios[2]);
   }
-  return bound;
+  return std::max(tension, std::sqrt(square));
 }
 
 } // namespace dem
