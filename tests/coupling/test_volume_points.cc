@@ -13,7 +13,7 @@ namespace {
 /// One point led through strains.
 struct Point {
   VolumePoints points;
-  double time = 0;
+  double time = 0, pace = 1; ///< [s]; reduced over real time
 
   Point(const VolumeFamily& family, const VolumeSettings& settings, double size_ratio = 1)
       : points({family}, {0}, {size_ratio}, settings, 0)
@@ -23,7 +23,7 @@ struct Point {
   Vec6 attempt(const Vec6& increment, double step)
   {
     points.begin_step(time, step);
-    return points.evaluate(std::span(&increment, 1), step).stress[0];
+    return points.evaluate(std::span(&increment, 1), pace * step).stress[0];
   }
 
   void move(const Vec6& increment, double step)
@@ -165,6 +165,32 @@ TEST(VolumePoints, BondsWithoutStrengthBreakUnderTheFirstLoad)
   point.march(1e-3 * some_strain(), 1e-3);
   EXPECT_EQ(point.points.n_broken(), n_weak);
   EXPECT_TRUE(point.points.stress()[0].allFinite());
+}
+
+TEST(VolumePoints, ReducedTimeIsThatOfScaledViscosities)
+{
+  const double shift = 4; // colder: viscosities times this
+  dem::VolumeElement element = elements::random_cube(60, 1), cold = element;
+  cold.laws[0].creep = dem::with_viscosities_scaled(cold.laws[0].creep, shift);
+  const dem::Strengths strengths = weibull(element, 10, 0.5);
+  VolumeSettings settings;
+  settings.rate_law.floor = 1e-12;
+  for (const double window : {0., 3.}) {
+    settings.rate_law.window = window;
+    settings.first_pace = 1;
+    Point direct(make_family(cold, strengths, dem::AfterBreakage::leave), settings);
+    settings.first_pace = 1 / shift;
+    Point reduced(make_family(element, strengths, dem::AfterBreakage::leave), settings);
+    reduced.pace = 1 / shift;
+    for (int k = 0; k < 6; ++k)
+      for (Point* point : {&direct, &reduced})
+        point->march(some_strain(), k == 0 ? 0 : 2);
+    EXPECT_GT(direct.points.n_broken(), 0u);
+    EXPECT_EQ(direct.points.n_broken(), reduced.points.n_broken()) << window;
+    EXPECT_NEAR(direct.time, reduced.time, 1e-9);
+    EXPECT_LT((direct.points.stress()[0] - reduced.points.stress()[0]).norm(),
+              1e-8 * direct.points.stress()[0].norm());
+  }
 }
 
 TEST(VolumePoints, TheirOwnSizeChangesNothing)
