@@ -124,7 +124,10 @@ TEST(DamagedElement, StressAndEnergyAgreeAlsoWithPressedContacts)
   for (const BondStatus to : {BondStatus::pressed, BondStatus::gone})
     for (const double share : {0., 0.1, 0.3}) {
       const auto damage = element.answer(damaged(element.n_bonds(), share, to));
-      EXPECT_LT((mean_stress(element, *damage) - damage->stiffness).norm(), 1e-9 * size) << share;
+      // pieces that only contacts hold have weak springs, whose energy is that of no bond
+      EXPECT_LT((mean_stress(element, *damage) - damage->stiffness).norm(),
+                (to == BondStatus::gone ? 1e-12 : 1e-9) * size)
+          << share;
     }
 }
 
