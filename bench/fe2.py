@@ -3,7 +3,8 @@
 
 `--overhead`: the specimen on a fine mesh while nothing breaks, law only against adaptive.
 `--tests`: creep at 400 and 600 kPa bond by bond (events), on two scales, and by the law only.
-Without options both. The parts of it, a breakage and a thousand live points, are those of
+`--band`: a bar pulled apart on meshes of 20, 10 and 6.7 mm, three seeds: peak, and work after it.
+Without options the first two. The parts of it, a breakage and a thousand live points, are those of
 build/bin/bench_volumes.
 """
 import argparse
@@ -86,6 +87,26 @@ def tests(options):
                  "last time s", "broken", "end"], table)
 
 
+def band(options):
+    """Softening over meshes."""
+    table = []
+    for seed in (1, 2, 3):
+        for cells in (20, 10, 6.7) if seed == 1 else (20, 10):
+            folder = options.kept / f"band-{seed}-{cells}"
+            run(options, scenes / "fe2" / "band.scene",
+                [f"Body/Cell size = {cells} mm", f"Specimen/Seed = {seed}",
+                 f"Strength/Seed = {seed}"], folder)
+            history = rows_of(folder)
+            strain = [-float(row["axial_strain_percent"]) / 100 for row in history]
+            stress = [-float(row["axial_stress_kPa"]) * 1e3 for row in history]
+            peak = stress.index(max(stress))
+            work = [0.08 * (strain[k] - strain[k - 1]) * (stress[k] + stress[k - 1]) / 2
+                    for k in range(1, len(strain))]  # [J/m^2], the bar is 80 mm long
+            table.append([seed, cells, f"{stress[peak] / 1e3:.0f}", f"{100 * strain[peak]:.2f}",
+                          f"{sum(work[:peak]):.0f}", f"{sum(work[peak:]):.0f}"])
+    print_table(["seed", "cells mm", "peak kPa", "at %", "work before J/m^2", "after"], table)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mastic", default=str(repository / "build" / "bin" / "mastic"))
@@ -93,15 +114,19 @@ def main():
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--overhead", action="store_true")
     parser.add_argument("--tests", action="store_true")
+    parser.add_argument("--band", action="store_true")
     parser.add_argument("--kept", type=pathlib.Path,
                         default=repository / "build" / "bench-kept" / "fe2")
     options = parser.parse_args()
     options.kept.mkdir(parents=True, exist_ok=True)
     print(f"{machine()}; {options.threads} threads; {today()}")
-    if options.overhead or not options.tests:
+    all_of_it = not (options.overhead or options.tests or options.band)
+    if options.overhead or all_of_it:
         overhead(options)
-    if options.tests or not options.overhead:
+    if options.tests or all_of_it:
         tests(options)
+    if options.band:
+        band(options)
 
 
 if __name__ == "__main__":

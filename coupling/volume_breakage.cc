@@ -13,6 +13,7 @@
 
 namespace coupling {
 
+using fem::Mat6;
 using fem::Vec6;
 
 namespace {
@@ -105,8 +106,11 @@ double VolumePoints::ratio_bound(std::size_t point, const Vec6& elastic) const
   const Look& look = looks_[point];
   if (look.at != live_[point].get() || settings_.use == VolumeUse::all_live)
     return ratio(point, elastic);
+  const Mat6& reach = live_[point]->reach;
+  if (!reach.allFinite()) // a bond without strength
+    return ratio(point, elastic);
   const Vec6 change = in_volume(point, elastic) - look.strain;
-  return look.seen.ratio + std::sqrt(std::max(0., change.dot(live_[point]->reach * change)));
+  return look.seen.ratio + std::sqrt(std::max(0., change.dot(reach * change)));
 }
 
 /// Looks at all bonds and contacts of a live point in its committed state.
@@ -299,9 +303,8 @@ double VolumePoints::share_without_change()
   for (int k = 0; k <= n_instants; ++k)
     instants.push_back(instant(double(k) / n_instants));
   double share = 1;
-  for (std::size_t q = 0; q < size(); ++q) {
+  for (std::size_t q = 0; q < size(); ++q)
     share = std::min({share, share_until_breakage(q, instants), share_until_opening(q)});
-  }
   return share;
 }
 

@@ -46,18 +46,15 @@ LiveVolume live_volume(const VolumeFamily& family,
                        std::shared_ptr<const dem::DamagedElement> damage, double size_ratio,
                        double since)
 {
-  if (damage->n_broken == 0) {
-    const Mat6 stiffness = damage->stiffness;
-    const Mat6 reach = dem::ratio_reach(*damage, family.element->strengths());
-    return {std::move(damage), stiffness, Mat6::Identity(), reach, since};
-  }
+  const Mat6 reach = dem::ratio_reach(*damage, family.element->strengths());
+  if (damage->n_broken == 0)
+    return {damage, damage->stiffness, Mat6::Identity(), reach, since};
   const Mat6& intact = family.stiffness();
   const Mat6 share = intact.ldlt().solve(damage->stiffness); // S_0 C
   const Mat6 series = size_ratio * Mat6::Identity() + (1 - size_ratio) * share;
   const Mat6 focus = series.partialPivLu().solve(Mat6::Identity());
   const Mat6 stiffness = damage->stiffness * focus;
   const Mat6 symmetric = 0.5 * (stiffness + stiffness.transpose()) + residual_stiffness * intact;
-  const Mat6 reach = dem::ratio_reach(*damage, family.element->strengths());
   return {std::move(damage), symmetric, focus, reach, since};
 }
 

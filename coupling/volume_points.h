@@ -47,11 +47,11 @@ struct LiveVolume {
 };
 
 /// The live volume of a point.
-/// \param size_ratio  edge of the volume over that of the point's element, r. Strain that comes
-/// from
-///   breakage gathers in a band as wide as the volume, so that an element of another size answers
-///   as a volume in series with intact material: S_0 + r (S - S_0). What breaking dissipates per
-///   area of the band is then that of the volume, whatever the mesh; 1 leaves the volume as it is.
+/// \param size_ratio  edge of the volume over that of the point's element, r. What
+///   comes from breakage gathers in a band as wide as the volume, so that an element of another
+///   size answers as a volume in series with intact material: S_0 + r (S - S_0). What breaking
+///   dissipates per area of the band is then that of the volume, whatever the mesh; 1 leaves the
+///   volume as it is.
 LiveVolume live_volume(const VolumeFamily& family,
                        std::shared_ptr<const dem::DamagedElement> damage, double size_ratio,
                        double since);
@@ -95,7 +95,6 @@ public:
   void restore(std::size_t point, std::span<const double> numbers) override;
 
   const VolumeFamily& family(std::size_t point) const { return families_[family_of_point_[point]]; }
-  const fem::Vec6& elastic_strain(std::size_t point) const { return elastic_[point]; }
 
   /// The live volume of a point, if it has one.
   const LiveVolume* live(std::size_t point) const { return live_[point].get(); }

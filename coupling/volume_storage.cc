@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t statuses_per_number = 24; ///< two bits each, exact in a double
 constexpr std::size_t n_fields = 5;             ///< of six numbers
+constexpr std::size_t n_scalars = 3;            ///< whether it is live, since when; pace
 
 std::size_t most_bonds(const std::vector<VolumeFamily>& families)
 {
@@ -25,7 +26,7 @@ std::size_t VolumePoints::numbers_per_point() const
 {
   const std::size_t packed =
       (most_bonds(families_) + statuses_per_number - 1) / statuses_per_number;
-  return 6 * (n_fields + creep_.n_branches()) + 2 + packed + StrainWindow::n_numbers;
+  return 6 * (n_fields + creep_.n_branches()) + n_scalars + packed + StrainWindow::n_numbers;
 }
 
 void VolumePoints::store(std::size_t point, std::span<double> numbers) const
@@ -40,6 +41,7 @@ void VolumePoints::store(std::size_t point, std::span<double> numbers) const
   const LiveVolume* volume = live(point);
   *to++ = volume ? 1 : 0;
   *to++ = volume ? volume->since : 0;
+  *to++ = pace_;
   if (volume)
     for (std::size_t b = 0; b < volume->damage->status.size(); b += statuses_per_number) {
       double packed = 0, place = 1;
@@ -63,6 +65,7 @@ void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
     std::copy_n(from, 6, kelvin_[point * creep_.n_branches() + k].data());
   const bool is_live = *from++ != 0;
   const double since = *from++;
+  pace_ = *from++;
   if (is_live) {
     std::vector<dem::BondStatus> status(family(point).element->n_bonds());
     for (std::size_t b = 0; b < status.size(); b += statuses_per_number) {

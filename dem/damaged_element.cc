@@ -213,10 +213,23 @@ double largest_ratio(const DamagedElement& element, const Strengths& strengths,
   return std::max(tension, std::sqrt(shear_square));
 }
 
-bool is_squeezed_out(const DamagedElement& element, const Vec6& strain)
+/// What opens pressed contacts under an elastic strain.
+struct Opening {
+  double noise;      ///< largest pull that counts as nothing [N]
+  bool squeezed_out; ///< whether contacts of pieces that weak springs hold open, too
+};
+
+Opening opening(const DamagedElement& element, const Eigen::VectorXd& force, const Vec6& strain)
 {
-  return strain.dot(element.ground_energy * strain) >
-         most_ground_share * std::abs(strain.dot(element.stiffness * strain));
+  return {contact_noise * force.cwiseAbs().maxCoeff(),
+          strain.dot(element.ground_energy * strain) >
+              most_ground_share * std::abs(strain.dot(element.stiffness * strain))};
+}
+
+bool opens(const DamagedElement& element, std::size_t contact, double normal,
+           const Opening& opening)
+{
+  return normal > opening.noise || (opening.squeezed_out && element.is_clamped[contact]);
 }
 
 } // namespace
@@ -232,17 +245,17 @@ Look look_at(const DamagedElement& element, const Strengths& strengths, const Ve
   Look look{largest_ratio(element, strengths, force), std::numeric_limits<double>::infinity()};
   if (!element.has_contacts)
     return look;
-  const double noise = contact_noise * force.cwiseAbs().maxCoeff();
-  const bool squeezed_out = is_squeezed_out(element, strain);
+  const Opening rule = opening(element, force, strain);
   for (std::size_t b = 0; b < element.status.size(); ++b)
     if (element.status[b] == BondStatus::pressed) {
       const double normal = force[3 * Eigen::Index(b)];
-      const bool clamped = element.is_clamped[b]; // may also open by what is squeezed out
-      const double margin = clamped ? 0 : std::max(0., -normal / element.reach[b]);
-      const bool opens = normal > noise || (clamped && squeezed_out);
-      look.opening_margin = opens ? -1 : std::min(look.opening_margin, margin);
-      if (opens)
+      if (opens(element, b, normal, rule)) {
+        look.opening_margin = -1;
         break;
+      }
+      // a clamped one may also open by what is squeezed out
+      const double margin = element.is_clamped[b] ? 0 : std::max(0., -normal / element.reach[b]);
+      look.opening_margin = std::min(look.opening_margin, margin);
     }
   return look;
 }
@@ -275,13 +288,12 @@ std::vector<Index> contacts_to_open(const DamagedElement& element, const Vec6& s
 {
   if (!element.has_contacts)
     return {};
-  const Forces under = forces(element, strain, contact_noise);
-  const bool squeezed_out = is_squeezed_out(element, strain);
+  const Eigen::VectorXd force = element.force * strain;
+  const Opening rule = opening(element, force, strain);
   std::vector<Index> result;
   for (std::size_t b = 0; b < element.status.size(); ++b)
     if (element.status[b] == BondStatus::pressed &&
-        ((squeezed_out && element.is_clamped[b]) ||
-         under.components[3 * Eigen::Index(b)] > under.noise))
+        opens(element, b, force[3 * Eigen::Index(b)], rule))
       result.push_back(Index(b));
   return result;
 }

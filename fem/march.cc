@@ -63,6 +63,7 @@ void settle(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
 {
   const MPI_Comm ranks = specimen.elements().ranks();
   state.is_settled = false;
+  points.begin_step(state.time, 0); // after a restart they do not know the time
   for (int pass = 0; pass < most_passes; ++pass) {
     const double overload = dealii::Utilities::MPI::max(points.overload(), ranks);
     state.is_settled = overload < 1;
