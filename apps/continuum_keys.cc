@@ -126,7 +126,7 @@ void declare_volumes(Schema& s, ContinuumInput::Volumes& v)
       "in series with (or short of) intact material, so that the energy per area of the band does "
       "not depend on the mesh. as it is: the point is the volume; refused unless their sizes agree "
       "within 25 %.");
-  s.number("Breakage tolerance", v.breakage_tolerance, "1e-6", Bounds{0, 0.5, false, true},
+  s.number("Breakage tolerance", v.breakage_tolerance, "1e-6", between(1e-12, 0.5),
            "Bonds that are this share below their strength, or below the most loaded one, break "
            "with it; larger is faster.");
 }

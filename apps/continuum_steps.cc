@@ -160,7 +160,7 @@ void refine_at_start(ContinuumInProgress<dim>& run)
   history.load = [&](double) { return load_state(scene, run.loading, largest); };
   for (long k = 0; k < scene.continuum.n_adaptive_refinements; ++k) {
     fem::MarchState elastic;
-    fem::apply_jump(*run.specimen, *run.points, elastic, history); // breaks what it must
+    fem::apply_jump(*run.specimen, *run.points, elastic, history);
     fem::refine(run.mesh, *run.specimen, *run.points, scene.continuum.refined_share);
     make_body(run);
   }

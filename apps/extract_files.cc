@@ -1,17 +1,14 @@
 #include "apps/extract_files.h"
 
 #include "apps/files.h"
-#include "apps/machine.h"
 #include "apps/plot.h"
-#include "dem/storage.h"
+#include "apps/provenance.h"
 #include "fem/mandel.h"
 #include "fem/series_fit.h"
 #include "fem/symmetry.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -127,16 +124,7 @@ std::vector<Column> modulus_columns(const Scene& scene, const Extraction& e)
 
 void write_provenance(dem::Hdf5File& file, const LoadedScene& scene)
 {
-  file.set_attribute("", "kind", std::string("extraction"));
-  file.set_attribute("", "program", std::string("mastic " MASTIC_VERSION));
-  file.set_attribute("", "revision", std::string(MASTIC_REVISION));
-  file.set_attribute("", "storage_version", dem::storage_version);
-  file.set_attribute(
-      "", "written_utc",
-      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now())));
-  file.set_attribute("", "name", scene.name);
-  file.set_attribute("", "title", scene.scene->title);
-  file.set_attribute("", "machine", machine_name());
+  write_origin(file, scene, "extraction");
   file.write_text("scene/as_typed", scene.text);
   file.write_text("scene/resolved", scene.schema->print(false));
 }

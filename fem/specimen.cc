@@ -280,14 +280,6 @@ void Specimen<dim>::commit()
 }
 
 template <int dim>
-double Specimen<dim>::drive_force(std::span<const Vec6> stress, const LoadState& load) const
-{
-  const Vector internal = elements_.internal_force(stress);
-  const Vector external = external_force(load.load_factor);
-  return supports_.drive * internal - supports_.drive * external;
-}
-
-template <int dim>
 double Specimen<dim>::mean_displacement() const
 {
   const Vector& along = varying_load_.l1_norm() > 0    ? varying_load_

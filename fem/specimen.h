@@ -70,9 +70,6 @@ public:
   /// Passes the forces on hanging nodes to those that they hang on; zero where held.
   void condense(Vector& force) const;
 
-  /// Force of the driven boundaries under a stress at all points [N], the loads on them off.
-  double drive_force(std::span<const Vec6> stress, const LoadState& load) const;
-
   /// Force per unit of the drive that the last tangents answer with [N].
   double drive_stiffness() const { return mode_scale_ * mode_stiffness_; }
 
@@ -81,9 +78,6 @@ public:
 
   /// Takes over a displacement from elsewhere.
   void set_displacement(const Vector& displacement, double drive_displacement);
-
-  /// The elastic answer to a unit of the drive: displacement of all unknowns, for the last tangent.
-  const Vector& drive_mode() const { return mode_; }
 
 private:
   void prepare(const ConstitutiveAnswer& answer, StepReport& report);

@@ -1,7 +1,6 @@
-#include "apps/csv_table.h"
 #include "fem/creep_compliance.h"
 #include "fem/law_file.h"
-#include "tests/apps/interrupted.h"
+#include "tests/apps/body_runs.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,6 +10,8 @@
 #include <numbers>
 
 using apps::Finished;
+using body_runs::column;
+using body_runs::on_two_ranks;
 using command::contains;
 using command::mastic;
 using command::with;
@@ -62,22 +63,6 @@ void write_scene(const command::Folder& folder, const std::string& law)
 {
   folder.write("creep.scene", scene);
   folder.write("material.law", law);
-}
-
-Finished on_two_ranks(const command::Folder& folder, const std::vector<std::string>& arguments)
-{
-  return command::mastic_in_shell(
-      folder,
-      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_mpi_yield_when_idle=1 "
-      "exec mpirun --oversubscribe -np 2 \"$@\"",
-      arguments);
-}
-
-std::vector<double> column(const command::Folder& folder, const std::string& file,
-                           const std::string& name, const std::string& unit)
-{
-  const apps::Units units;
-  return apps::CsvTable(folder / file, units).numbers(name, unit);
 }
 
 void expect_same_history(const command::Folder& a, const std::string& folder_a,

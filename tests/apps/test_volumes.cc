@@ -1,6 +1,5 @@
-#include "apps/csv_table.h"
 #include "apps/text.h"
-#include "tests/apps/interrupted.h"
+#include "tests/apps/body_runs.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,8 @@
 #include <cmath>
 
 using apps::Finished;
+using body_runs::column;
+using body_runs::on_two_ranks;
 using command::contains;
 using command::mastic;
 using command::with;
@@ -58,22 +59,6 @@ std::string of_material(const std::string& material)
 {
   std::string other = scene;
   return other.replace(other.find("adaptive"), 8, material);
-}
-
-Finished on_two_ranks(const command::Folder& folder, const std::vector<std::string>& arguments)
-{
-  return command::mastic_in_shell(
-      folder,
-      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_mpi_yield_when_idle=1 "
-      "exec mpirun --oversubscribe -np 2 \"$@\"",
-      arguments);
-}
-
-std::vector<double> column(const command::Folder& folder, const std::string& file,
-                           const std::string& name, const std::string& unit)
-{
-  const apps::Units units;
-  return apps::CsvTable(folder / file, units).numbers(name, unit);
 }
 
 std::vector<double> strains(const command::Folder& folder, const std::string& run)
