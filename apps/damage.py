@@ -22,6 +22,7 @@ def creep_row(r):
     row.update(axial_stress_kPa=stress, broken_share=len(r.breakages["time_s"]) / r.n_bonds,
                rupture_time_s=r.end if ruptured else np.nan)
     k = flow_time(rate)
+    row["rise_follows"] = k is not None
     if k is None and ruptured and len(rate):
         positive = np.where(rate > 0, rate, np.inf)
         k = int(np.argmin(positive))

@@ -97,6 +97,13 @@ std::filesystem::path own_executable()
   return std::filesystem::read_symlink("/proc/self/exe");
 }
 
+std::filesystem::path existing(const std::string& name, const char* what)
+{
+  if (!std::filesystem::exists(name))
+    throw std::invalid_argument(fmt::format("{}: there is no such {}", name, what));
+  return name;
+}
+
 std::filesystem::path share_folder()
 {
   const std::filesystem::path installed = own_executable().parent_path() / "../share/mastic";

@@ -23,6 +23,10 @@ void require_writable(const std::filesystem::path& folder);
 /// The full name of a folder; "" is the present one.
 std::filesystem::path absolute_folder(const std::filesystem::path& folder);
 
+/// A file or folder that the user names.
+/// \throws std::invalid_argument if it is not there
+std::filesystem::path existing(const std::string& name, const char* what = "file or folder");
+
 /// Makes a folder and those above it.
 /// \throws std::runtime_error with the path
 void make_folder(const std::filesystem::path& folder);

@@ -41,6 +41,7 @@ struct Arguments {
   FitOptions fit;
   CardOptions card;
   PointOptions point;
+  double magnify = 1;
   bool hard = false;
 };
 
@@ -216,6 +217,27 @@ void add_others(CLI::App& app, Arguments& a, std::function<int()>& action)
   plot->add_option("results", a.results, "Result folders")->required();
   plot->add_option("-o,--output", a.output, "Folder for the figures (default: the first result)");
   plot->callback([&] { action = [&] { return plot_verb(a.results, a.output); }; });
+
+  CLI::App* report = app.add_subcommand(
+      "report", "Write one HTML page: figures, tables, statistics, statements, provenance");
+  report->add_option("results", a.results, "Folders of results, of studies, or that hold such")
+      ->required();
+  report->add_option("-o,--output", a.output, "The page (default: report.html in the first)");
+  report->callback([&] { action = [&] { return report_verb(a.results, a.output); }; });
+
+  CLI::App* picture = app.add_subcommand(
+      "picture", "Render the specimen: particles, forces in the bonds, where bonds broke");
+  picture->add_option("result", a.result, "Result folder")->required();
+  picture->add_option("--time", a.time,
+                      "Time of the snapshot, such as '100 s' (default: the last)");
+  picture->add_option("--magnify", a.magnify, "Of the displacements (default: 1)")
+      ->check(CLI::Range(0.0, 1e6));
+  picture->add_option("-o,--output", a.output, "Folder (default: the result)");
+  picture->callback(
+      [&] { action = [&] { return picture_verb(a.result, a.output, a.time, a.magnify); }; });
+
+  CLI::App* keys = app.add_subcommand("keys", "Print the reference of all keys, as Markdown");
+  keys->callback([&] { action = [&] { return keys_verb(); }; });
 
   CLI::App* table =
       app.add_subcommand("export", "Print a table of a result as CSV, full precision");

@@ -15,8 +15,9 @@ namespace {
 /// Debian's own Python: another one that comes first on the path lacks Matplotlib.
 constexpr const char* python = "/usr/bin/python3";
 
-/// Runs one of the program's scripts; \return the figures that it names.
-std::vector<std::string> draw(const std::string& script, const std::vector<std::string>& arguments)
+/// Runs one of the program's scripts; \return the files with an ending that it names.
+std::vector<std::string> draw(const std::string& script, const std::vector<std::string>& arguments,
+                              const std::string& ending = ".png")
 {
   Finished finished{"", 127};
   try {
@@ -27,12 +28,12 @@ std::vector<std::string> draw(const std::string& script, const std::vector<std::
     finished.output = problem.what();
   }
   if (finished.exit_code != 0) {
-    fmt::print(stderr, "warning: no figures: {}\n", trimmed(finished.output));
+    fmt::print(stderr, "warning: {}: {}\n", script, trimmed(finished.output));
     return {};
   }
   std::vector<std::string> figures;
   for (const std::string& line : split(finished.output, '\n'))
-    if (line.ends_with(".png")) // Python's own warnings come in the same pipe
+    if (line.ends_with(ending)) // Python's own warnings come in the same pipe
       figures.push_back(line);
   return figures;
 }
@@ -46,6 +47,32 @@ std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& 
   for (const std::filesystem::path& each : results)
     arguments.push_back(each.string());
   return draw("plot.py", arguments);
+}
+
+std::vector<std::string> make_study_summary(const std::filesystem::path& folder)
+{
+  return draw("campaign.py", {folder.string()});
+}
+
+std::optional<std::string> make_report(const std::vector<std::filesystem::path>& results,
+                                       const std::filesystem::path& file)
+{
+  std::vector<std::string> arguments{file.string()};
+  for (const std::filesystem::path& each : results)
+    arguments.push_back(each.string());
+  const std::vector<std::string> made = draw("report.py", arguments, ".html");
+  return made.empty() ? std::nullopt : std::optional(made.front());
+}
+
+std::vector<std::string> make_pictures(const std::filesystem::path& result,
+                                       const std::filesystem::path& folder,
+                                       const PictureOptions& options)
+{
+  std::vector<std::string> arguments{folder.string(), result.string(), "--magnify",
+                                     fmt::format("{}", options.magnify)};
+  if (!options.time.empty())
+    arguments.insert(arguments.end(), {"--time", options.time});
+  return draw("specimen_picture.py", arguments);
 }
 
 std::vector<std::string> make_study_figure(const std::filesystem::path& folder)

@@ -282,9 +282,19 @@ void declare_output(Schema& s, Scene::Output& v)
 
 void declare_study(Schema& s, Scene::Study& v)
 {
-  s.section("Study", "Several runs of this scene with one key varied, in one figure.");
-  s.words("Vary", v.vary, "", "Key to vary, such as 'Loading/Axial stress'; empty: a single run.");
-  s.words("Values", v.values, "", "Its values, separated by commas.");
+  s.section("Study",
+            "Several runs of this scene, or several scenes, with common tables, figures and "
+            "report.");
+  s.words("Vary", v.vary, "",
+          "Key to vary, such as 'Loading/Axial stress'; empty: a single run. Several separated by "
+          "';' are combined, each value of one with each of the others; keys joined by '&' change "
+          "together: 'Loading/Axial stress; Specimen/Seed & Strength/Seed'.");
+  s.words("Values", v.values, "",
+          "The values of each, separated by commas, in the form of Vary: '400 kPa, 500 kPa; 1 & 1, "
+          "1 & 2'; '1..5' are the whole numbers from 1 to 5.");
+  s.words("Scenes", v.scenes, "",
+          "Scene files to run one after the other instead of this one, separated by commas; each "
+          "has its results in a folder of its own within that of this scene.");
 }
 
 /// NAME of all sections "PREFIX NAME".

@@ -135,8 +135,9 @@ struct Scene {
   } output;
 
   struct Study {
-    std::string vary;
-    std::string values; ///< separated by commas, as typed
+    std::string vary;   ///< as typed
+    std::string values; ///< as typed
+    std::string scenes; ///< files, separated by commas
   } study;
 
   VolumeElementInput element;

@@ -4,6 +4,7 @@
 #include "apps/cycles.h"
 #include "apps/findings.h"
 #include "apps/specimen.h"
+#include "apps/study_factors.h"
 #include "apps/text.h"
 
 #include <fmt/format.h>
@@ -302,17 +303,12 @@ void check_output(const Scene& scene, Findings& findings)
 
 void check_study(const Scene& scene, Findings& findings)
 {
-  const Scene::Study& v = scene.study;
-  if (v.vary.empty() != v.values.empty())
-    findings.error("Study/Vary", "a study needs both Vary and Values");
-  if (v.vary.starts_with("Study/") || v.vary == "Output/Folder")
-    findings.error("Study/Vary", fmt::format("'{}' cannot be varied", v.vary));
-  std::set<std::string> seen;
-  for (const std::string& value : split(v.values, ','))
-    if (value.empty())
-      findings.error("Study/Values", "there is nothing between two commas");
-    else if (!seen.insert(value).second)
-      findings.error("Study/Values", fmt::format("'{}' comes twice", value));
+  for (const std::string& problem : factor_problems(scene.study.vary, scene.study.values)) {
+    const std::size_t colon = problem.find(": ");
+    findings.error("Study/" + problem.substr(0, colon), problem.substr(colon + 2));
+  }
+  if (!scene.study.scenes.empty() && !scene.study.vary.empty())
+    findings.error("Study/Scenes", "each scene varies keys of its own; leave out Vary and Values");
 }
 
 } // namespace

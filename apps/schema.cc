@@ -386,38 +386,4 @@ bool Schema::is_default(const std::string& path) const
   return handler_.get(sections, key->name) == key->initial;
 }
 
-std::string Schema::print(bool comments) const
-{
-  std::string result;
-  auto& handler = const_cast<dealii::ParameterHandler&>(handler_); // its cursor moves
-  for (const auto& [section, text] : sections_) {
-    const std::string indent = section.empty() ? "" : "  ";
-    if (comments && !text.empty())
-      result += wrapped(text, 96, "# ");
-    if (!section.empty()) {
-      result += "subsection " + section + "\n";
-      handler.enter_subsection(section);
-    }
-    for (const Key& key : keys_) {
-      if (key.section != section)
-        continue;
-      if (comments) {
-        result += wrapped(key.text, 96, indent + "# ");
-        result += wrapped(fmt::format("[{}; default: {}]", key.range,
-                                      key.initial.empty() ? "empty" : key.initial),
-                          96, indent + "# ");
-      }
-      result += fmt::format("{}set {} = {}\n", indent, key.name, handler.get(key.name));
-      if (comments)
-        result += "\n";
-    }
-    if (!section.empty()) {
-      handler.leave_subsection();
-      result += "end\n";
-    }
-    result += "\n";
-  }
-  return result;
-}
-
 } // namespace apps

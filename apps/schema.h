@@ -114,6 +114,9 @@ public:
   /// key means, its unit, range and default.
   std::string print(bool comments) const;
 
+  /// All keys with default, allowed values and meaning: a Markdown table for each section.
+  std::string reference() const;
+
 private:
   struct Key {
     std::string section, name;

@@ -1,7 +1,7 @@
 #include "apps/solver_ladder.h"
 
 #include "apps/quantity.h"
-#include "apps/study_scene.h"
+#include "apps/study_factors.h"
 #include "apps/text.h"
 
 #include <fmt/format.h>

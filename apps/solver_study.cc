@@ -228,7 +228,7 @@ std::optional<std::filesystem::path> packing_of(const LoadedScene& scene,
     run_options.packing = absolute_folder(options.packing);
   std::vector<LoadedScene> scenes;
   scenes.push_back(scene_of_run(scene, "packing", {}));
-  return shared_packing(scenes, folder, run_options);
+  return study_packings(scenes, folder, run_options).front();
 }
 
 void tell_load()

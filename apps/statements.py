@@ -1,136 +1,205 @@
 #!/usr/bin/python3
 """Statements of the replicated paper that can be tested, beside what was measured.
 
-usage: statements.py RESULTS    (the folder that ./run fills)
+usage: statements.py FOLDER    (one that holds the studies creep, strain-rate and scaling)
 
-Prints a table in Markdown: statement, measured, met or not. Reads history.csv and breakages.csv of
-the creep study, the strain-rate study and the two scaling runs; leaves out what is not there.
+Prints a table in Markdown: statement, measured, met or not. Every run of the studies counts; what is
+not there is left out.
 """
 import sys
+from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
+from curves import power_law
+from run_summary import read_runs
+
+Statement = namedtuple("Statement", "statement measured met")  # met: True, False
+
+STRESS, RATE = "Loading/Axial stress", "Loading/Strain rate"
+NEGLIGIBLE = 0.1  # relative standard deviation
+SECONDS = 2000    # of the tests of the paper
 
 
-def table(file):
-    """Columns of a CSV file with a header, by name."""
-    data = np.genfromtxt(file, delimiter=",", names=True, dtype=float)
-    return {name: np.atleast_1d(data[name]) for name in data.dtype.names}
-
-
-def runs(folder, unit):
-    """Runs of a study by the value in their folder's name: {400.0: folder}."""
+def studies(folder):
+    """Studies in a folder by the key that they vary first; a scaling study under 'scaling'."""
     found = {}
-    for result in folder.glob("*/history.csv"):
-        value = result.parent.name.split("-")[0]
-        if result.parent.name.endswith(unit):
-            found[float(value)] = result.parent
-    return dict(sorted(found.items()))
+    for file in sorted(Path(folder).glob("**/runs.csv")):
+        runs = [run for run in read_runs(file.parent) if run.result]
+        if not runs:
+            continue
+        keys = list(runs[0].levels)
+        if keys[0] in (STRESS, RATE):
+            found.setdefault(keys[0], runs)
+        elif "Loading/End time" in keys and any(key.endswith("viscosity") for key in keys):
+            found.setdefault("scaling", runs)
+    return found
 
 
-def verdict(met):
-    return "met" if met else "**not met**"
+def by_number(runs, key):
+    """Runs by the value of a key: {400.0: [...]} in kPa or 1/s."""
+    groups = {}
+    for run in runs:
+        number, _, given = run.levels[key].partition(" ")
+        value = float(number) * {"MPa": 1e3, "kPa": 1, "Pa": 1e-3}.get(given, 1)
+        groups.setdefault(value, []).append(run)
+    return dict(sorted(groups.items()))
 
 
 def values(numbers, form):
     return ", ".join(format(x, form) for x in numbers)
 
 
+def relative_spread(numbers):
+    """Standard deviation over mean; 0 for a single number."""
+    return float(np.std(numbers, ddof=1) / np.mean(numbers)) if len(numbers) > 1 else 0.0
+
+
+def of_runs(count, runs):
+    return f"{count} of {len(runs)}"
+
+
+def strain_at(run, time):
+    return float(np.interp(time, *run.result.curve()))
+
+
 def strain_ordering(creep):
-    """Strains of all runs at the last time that all reached."""
-    histories = {s: table(f / "history.csv") for s, f in creep.items()}
-    time = min(h["time_s"][-1] for h in histories.values())
-    strain = [np.interp(time, h["time_s"], h["axial_strain_percent"]) for h in histories.values()]
-    return ("strain grows with stress, more than in proportion",
-            f"at {time:.0f} s: {values(strain, '.2f')} % under {values(creep, '.0f')} kPa",
-            verdict(np.all(np.diff(strain) > 0)
-                    and np.all(np.diff(np.array(strain) / np.array(list(creep))) > 0)))
+    """Of the runs with the same seeds and laws, at half of the earliest rupture time."""
+    every = [run for runs in creep.values() for run in runs]
+    time = min(run.numbers["rupture_time_s"] / 2 if run.ruptured else run.numbers["end_time_s"]
+               for run in every)
+    series = {}
+    for stress, runs in creep.items():
+        for run in runs:
+            series.setdefault(tuple(v for k, v in run.levels.items() if k != STRESS), []).append(
+                (stress, strain_at(run, time)))
+    whole = [np.array(s) for s in series.values() if len(s) == len(creep)]
+    good = [bool(np.all(np.diff(s[:, 1]) > 0)) for s in whole]
+    means = [np.median([strain_at(run, time) for run in runs]) for runs in creep.values()]
+    return Statement("strain grows with stress",
+                     f"in {sum(good)} of {len(good)} series of stresses; at {time:.3g} s median "
+                     f"{values(means, '.3g')} % under {values(creep, '.0f')} kPa",
+                     bool(good) and all(good))
 
 
-def ruptured(folder):
-    """A run that ended before its time: strain limit or lost equilibrium."""
-    log = folder / "run.log"
-    text = log.read_text() if log.exists() else ""
-    return "strain limit" in text or "lost equilibrium" in text
+def rupture(stress, runs):
+    times = np.array([run.numbers["rupture_time_s"] for run in runs if run.ruptured])
+    end = max(run.numbers["end_time_s"] for run in runs)
+    told = f"{of_runs(len(times), runs)} runs"
+    if len(times) > 1:
+        told += f", at {times.min():.3g} to {times.max():.3g} s"
+    elif len(times):
+        told += f", at {times[0]:.3g} s"
+    if stress <= 400:
+        return Statement(f"{stress:.0f} kPa: no rupture within {SECONDS} s", f"rupture in {told}"
+                         if len(times) else f"none in {len(runs)} run{'s' * (len(runs) > 1)} "
+                         f"to {end:.4g} s", len(times) == 0)
+    return Statement(f"{stress:.0f} kPa: rupture", f"rupture in {told}", len(times) == len(runs))
 
 
-def late_breakages(folder):
-    """Times of the breakages after the load was applied."""
-    times = table(folder / "breakages.csv")["time_s"]
-    return times[times > 0]
-
-
-def no_rupture_at_400(creep):
-    folder = creep[400.0]
-    return ("400 kPa: no rupture within 2000 s",
-            "ruptured" if ruptured(folder) else "no rupture", verdict(not ruptured(folder)))
-
-
-def few_breakages_at_400(creep):
-    """Few: the paper gives no number; here at most one in fifty."""
-    broken = table(creep[400.0] / "history.csv")["broken_bonds"][-1]
-    late = len(late_breakages(creep[400.0]))
-    return ("400 kPa: few bonds break (here: at most 2 % of 16500)",
-            f"{late} after the load came on, {100 * late / 16500:.1f} %, "
-            f"beside {broken - late:.0f} of next to no strength when it came", verdict(late <= 330))
-
-
-def rupture(creep, stress):
-    folder = creep[stress]
-    time = table(folder / "history.csv")["time_s"][-1]
-    return (f"{stress:.0f} kPa: rupture", f"rupture at {time:.0f} s" if ruptured(folder)
-            else f"no rupture within {time:.0f} s", verdict(ruptured(folder)))
+def few_breakages(stress, runs):
+    """Few: the paper gives no number; here at most one bond in fifty after the load came on."""
+    shares = [np.sum(run.result.breakages["time_s"] > 0) / run.numbers["bonds"] for run in runs]
+    return Statement(f"{stress:.0f} kPa: few bonds break (here: at most 2 % after the load came on)",
+                     f"{100 * min(shares):.3g} to {100 * max(shares):.3g} %"
+                     if len(shares) > 1 else f"{100 * shares[0]:.3g} %", max(shares) <= 0.02)
 
 
 def most_breakages_at_rupture(creep):
-    """Whether the last of twenty equal times up to rupture has the most breakages."""
-    shares = []
-    for folder in creep.values():
-        if ruptured(folder):
-            times = late_breakages(folder)
-            counts, _ = np.histogram(times, bins=20, range=(0, times[-1]))
-            counts[0] = 0  # the loading itself
-            shares.append(np.argmax(counts) == 19)
-    return ("rupture is where the rate of breakage is highest",
-            f"in {sum(shares)} of {len(shares)} runs with rupture (20 equal times, the first left out)",
-            verdict(shares and all(shares)))
+    runs = [run for group in creep.values() for run in group if run.ruptured]
+    count = int(sum(run.numbers["most_breakages_at_end"] for run in runs))
+    return Statement("rupture is where the rate of breakage is highest",
+                     f"in {of_runs(count, runs)} runs with rupture (20 equal times, the first left out)",
+                     bool(runs) and count == len(runs))
+
+
+def three_stages(creep):
+    """A least rate before rupture, after which the rate rises: primary, secondary, tertiary."""
+    runs = [run for group in creep.values() for run in group if run.ruptured]
+    found = [np.isfinite(run.numbers["flow_time_s"])
+             and run.numbers["flow_time_s"] < run.numbers["rupture_time_s"] for run in runs]
+    shares = [run.numbers["flow_time_s"] / run.numbers["rupture_time_s"]
+              for run, has in zip(runs, found) if has]
+    return Statement("three stages before rupture: the rate falls, is nearly constant, rises",
+                     f"least rate before rupture in {of_runs(sum(found), runs)} runs" +
+                     (f", at {min(shares):.2f} to {max(shares):.2f} of the rupture time"
+                      if shares else ""), bool(runs) and all(found))
+
+
+def scatter(creep):
+    """Of strain where nothing ruptures, of the rupture time where all does."""
+    for stress, runs in creep.items():
+        times = [run.numbers["rupture_time_s"] for run in runs if run.ruptured]
+        if stress <= 400 and not times:
+            end = min(run.numbers["end_time_s"] for run in runs)
+            found = relative_spread([strain_at(run, end) for run in runs])
+            yield Statement(f"{stress:.0f} kPa: seeds, packing and strength law hardly matter "
+                            f"(here: below {100 * NEGLIGIBLE:.0f} %)",
+                            f"strain at {end:.4g} s scatters by {100 * found:.2g} % (standard "
+                            f"deviation, {len(runs)} runs)", found < NEGLIGIBLE)
+        elif stress > 400 and len(times) > 1:
+            found = relative_spread(times)
+            yield Statement(f"{stress:.0f} kPa: the rupture time depends on seed and packing "
+                            f"(here: by more than {100 * NEGLIGIBLE:.0f} %)",
+                            f"it scatters by {100 * found:.2g} % (standard deviation, {len(times)} "
+                            "runs)", found >= NEGLIGIBLE)
 
 
 def peak_stress_per_decade(rates):
-    peaks = [table(f / "history.csv")["axial_stress_kPa"].max() for f in rates.values()]
-    slope = np.polyfit(np.log10(list(rates)), np.log10(peaks), 1)[0]
-    return ("peak stress grows by about 10^0.325 = 2.11 per decade of strain rate",
-            f"largest stress up to 5 % strain {values(np.array(peaks) / 1e3, '.2f')} MPa at "
-            f"{values(rates, 'g')} /s: 10^{slope:.3f} = {10**slope:.2f} per decade",
-            verdict(abs(slope - 0.325) < 0.05))
+    peaks = [np.median([run.numbers["largest_stress_kPa"] for run in runs])
+             for runs in rates.values()]
+    slope, _ = power_law(np.array(list(rates)), np.array(peaks))
+    every = [run for runs in rates.values() for run in runs]
+    falls = int(sum(run.numbers["stress_falls"] for run in every))
+    return Statement("peak stress grows by about 10^0.325 = 2.11 per decade of strain rate",
+                     f"median of the largest stress {values(np.array(peaks) / 1e3, '.3g')} MPa at "
+                     f"{values(rates, 'g')} /s: {10**slope:.3g} per decade; a fall of 5 % follows in "
+                     f"{of_runs(falls, every)} runs", abs(slope - 0.325) < 0.05)
 
 
-def scaling(results):
-    """Displacement with viscosities divided by 10 against the original, time axis stretched."""
-    full = table(results / "scaling-1/history.csv")
-    fast = table(results / "scaling-10/history.csv")
-    u, v = full["mean_displacement_mm"], fast["mean_displacement_mm"]
-    worst = np.max(np.abs(u - v)) / u[-1]
-    return ("Fig. 4: viscosities divided by 10 give the same curve in a tenth of the time, 0.3 m",
-            f"{u[-1] / 1e3:.4f} m at {full['time_s'][-1]:.0f} s, {v[-1] / 1e3:.4f} m at "
-            f"{fast['time_s'][-1]:.0f} s, largest difference {worst:.0e} of it", verdict(worst < 1e-12))
+def scatter_at_constant_rate(rates):
+    found = [relative_spread([run.numbers["largest_stress_kPa"] for run in runs])
+             for runs in rates.values()]
+    return Statement("constant rate: strength law, seed and packing hardly matter "
+                     f"(here: below {100 * NEGLIGIBLE:.0f} %)",
+                     f"largest stress scatters by {values(100 * np.array(found), '.2g')} % at "
+                     f"{values(rates, 'g')} /s", max(found) < NEGLIGIBLE)
 
 
-def all_statements(results):
-    creep, rates = runs(results / "creep", "kPa"), runs(results / "strain-rate", "s")
+def scaling(runs):
+    """Displacement with viscosities divided against the original, time axis stretched."""
+    slow, fast = sorted(runs, key=lambda run: -run.numbers["end_time_s"])[:2]
+    (time, u), (other, v) = ((r.time, r.history["mean_displacement_mm"])
+                             for r in (slow.result, fast.result))
+    factor = time[-1] / other[-1]
+    worst = np.max(np.abs(u - np.interp(time, factor * other, v))) / u[-1]
+    return Statement(f"Fig. 4: viscosities divided by {factor:g} give the same curve in 1/{factor:g} of "
+                     "the time, 0.3 m", f"{u[-1] / 1e3:.4f} m at {time[-1]:.0f} s, "
+                     f"{v[-1] / 1e3:.4f} m at {other[-1]:.0f} s, largest difference {worst:.0e} of "
+                     "it", bool(worst < 1e-9))
+
+
+def all_statements(folder):
+    """Every statement for which there are runs in a folder."""
+    found = studies(folder)
+    creep = by_number(found.get(STRESS, []), STRESS)
     if len(creep) > 1:
         yield strain_ordering(creep)
-        yield most_breakages_at_rupture(creep)
-    if 400.0 in creep:
-        yield no_rupture_at_400(creep)
-        yield few_breakages_at_400(creep)
-    for stress in creep:
-        if stress > 400:
-            yield rupture(creep, stress)
+        for stress, runs in creep.items():
+            yield rupture(stress, runs)
+        yield few_breakages(*next(iter(creep.items())))
+        if any(run.ruptured for runs in creep.values() for run in runs):
+            yield most_breakages_at_rupture(creep)
+            yield three_stages(creep)
+        if any(len(runs) > 1 for runs in creep.values()):
+            yield from scatter(creep)
+    rates = by_number(found.get(RATE, []), RATE)
     if len(rates) > 1:
         yield peak_stress_per_decade(rates)
-    if (results / "scaling-1").is_dir() and (results / "scaling-10").is_dir():
-        yield scaling(results)
+        if any(len(runs) > 1 for runs in rates.values()):
+            yield scatter_at_constant_rate(rates)
+    if len(found.get("scaling", [])) > 1:
+        yield scaling(found["scaling"])
 
 
 def main():
@@ -138,10 +207,10 @@ def main():
         sys.exit(__doc__)
     rows = list(all_statements(Path(sys.argv[1])))
     if not rows:
-        sys.exit(f"{sys.argv[1]}: there are no results of ./run in it")
+        sys.exit(f"{sys.argv[1]}: there are no studies of creep or strain rate in it")
     print("| statement | measured | |\n|---|---|---|")
     for row in rows:
-        print("| " + " | ".join(row) + " |")
+        print(f"| {row.statement} | {row.measured} | {'met' if row.met else '**not met**'} |")
 
 
 if __name__ == "__main__":

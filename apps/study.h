@@ -1,18 +1,12 @@
 #pragma once
 #include "apps/run.h"
+#include "apps/study_factors.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace apps {
-
-/// One run of a study: its name and what makes it differ from the scene.
-struct StudyRun {
-  std::string name;          ///< of its folder
-  std::string value;         ///< of the key that is varied
-  std::string override_text; ///< "Section/Key = value"
-};
 
 /// The runs of a scene with a section Study; empty if it describes a single run.
 std::vector<StudyRun> study_runs(const Scene& scene);
@@ -26,8 +20,5 @@ std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file
 /// threads, and figures of all runs together. Runs that have finished before are kept when it is
 /// resumed. \return the exit code
 int run_study(LoadedScene scene, const RunOptions& options, bool resume);
-
-/// Goes on with a study from its folder.
-int resume_study(const std::filesystem::path& folder, const RunOptions& options);
 
 } // namespace apps

@@ -4,26 +4,41 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
+#include <map>
 #include <stdexcept>
 
 namespace apps {
 
-std::string as_folder_name(const std::string& value)
+namespace {
+
+/// The file of a packing: the one given, or one that is up to date or made now.
+std::filesystem::path stored_packing(const LoadedScene& scene, const std::string& recipe,
+                                     const std::filesystem::path& own,
+                                     const std::optional<std::filesystem::path>& given)
 {
-  std::string name;
-  for (const char c : value)
-    name += std::isalnum(static_cast<unsigned char>(c)) || c == '.' ? c : '-';
-  const bool plain = !name.empty() && std::isalnum(static_cast<unsigned char>(name.front()));
-  return plain ? name : "run" + name; // no hidden folders, none that looks like an option
+  const std::filesystem::path file = given.value_or(own);
+  try {
+    read_packing(file, recipe);
+    fmt::print("packing: {} is up to date\n", file.string());
+  } catch (const std::invalid_argument&) {
+    if (given)
+      throw;
+    fmt::print("packing: {} spheres ...\n", scene.scene->specimen.n_particles);
+    std::fflush(stdout);
+    const Packing packing = make_packing(scene);
+    write_packing(file, packing, recipe);
+    fmt::print("{}", packing_report(*scene.scene, packing));
+  }
+  return file;
 }
+
+} // namespace
 
 LoadedScene scene_of_run(const LoadedScene& study, const std::string& name,
                          std::vector<std::string> settings)
 {
-  settings.insert(settings.end(), {"Study/Vary =", "Study/Values ="});
+  settings.insert(settings.end(), {"Study/Vary =", "Study/Values =", "Study/Scenes ="});
   const std::string text = study.schema->print(false), file_name = name + ".scene";
   const LoadedScene varied = load_scene_text(text, file_name, study.folder, settings);
   const auto full_name = [&](const std::string& file) {
@@ -38,35 +53,29 @@ LoadedScene scene_of_run(const LoadedScene& study, const std::string& name,
   return load_scene_text(text, file_name, study.folder, settings);
 }
 
-std::optional<std::filesystem::path> shared_packing(const std::vector<LoadedScene>& scenes,
-                                                    const std::filesystem::path& folder,
-                                                    const RunOptions& options)
+std::vector<std::optional<std::filesystem::path>>
+study_packings(const std::vector<LoadedScene>& scenes, const std::filesystem::path& folder,
+               const RunOptions& options)
 {
-  const std::string recipe = packing_recipe(*scenes.front().scene);
-  if (scenes.front().scene->solver == SolverChoice::continuum)
-    return std::nullopt;
-  const bool shared = std::ranges::all_of(scenes, [&](const LoadedScene& each) {
-    return each.scene->specimen.source == SpecimenSource::generate &&
-           packing_recipe(*each.scene) == recipe;
-  });
-  if (options.packing && !shared)
+  std::map<std::string, std::vector<std::size_t>> runs_of; // by recipe
+  for (std::size_t k = 0; k < scenes.size(); ++k)
+    if (scenes[k].scene->solver != SolverChoice::continuum &&
+        scenes[k].scene->specimen.source == SpecimenSource::generate)
+      runs_of[packing_recipe(*scenes[k].scene)].push_back(k);
+  const bool one = runs_of.size() == 1 && runs_of.begin()->second.size() == scenes.size();
+  if (options.packing && !one)
     throw std::invalid_argument("--packing: the runs of this study do not share a packing");
-  if (!shared)
-    return std::nullopt;
-  const std::filesystem::path file = options.packing.value_or(folder / "packing.h5");
-  try {
-    read_packing(file, recipe);
-    fmt::print("packing: {} is up to date\n", file.string());
-  } catch (const std::invalid_argument&) {
-    if (options.packing)
-      throw;
-    fmt::print("packing: {} spheres ...\n", scenes.front().scene->specimen.n_particles);
-    std::fflush(stdout);
-    const Packing packing = make_packing(scenes.front());
-    write_packing(file, packing, recipe);
-    fmt::print("{}", packing_report(*scenes.front().scene, packing));
+  std::vector<std::optional<std::filesystem::path>> files(scenes.size());
+  for (const auto& [recipe, runs] : runs_of) {
+    if (runs.size() < 2 && !one)
+      continue; // made by the run itself
+    const LoadedScene& first = scenes[runs.front()];
+    const std::string name = one ? "packing.h5" : fmt::format("packing-of-{}.h5", first.name);
+    const auto file = stored_packing(first, recipe, folder / name, options.packing);
+    for (const std::size_t k : runs)
+      files[k] = file;
   }
-  return file;
+  return files;
 }
 
 } // namespace apps

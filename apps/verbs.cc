@@ -1,9 +1,11 @@
 #include "apps/verbs.h"
 
 #include "apps/checkpoint.h"
+#include "apps/collection.h"
 #include "apps/continuum_run.h"
 #include "apps/files.h"
-#include "apps/plot.h"
+#include "apps/schema.h"
+#include "apps/stored_study.h"
 #include "apps/study.h"
 #include "apps/text.h"
 
@@ -13,21 +15,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <stdexcept>
 
 namespace apps {
 
 namespace {
-
-/// A file or folder that must be there.
-std::filesystem::path existing(const std::string& name, const char* what)
-{
-  if (!std::filesystem::exists(name))
-    throw std::invalid_argument(fmt::format("{}: there is no such {}", name, what));
-  return name;
-}
 
 std::filesystem::path result_file(const std::string& name)
 {
@@ -37,29 +30,6 @@ std::filesystem::path result_file(const std::string& name)
   if (!std::filesystem::exists(path / "result.h5"))
     throw std::invalid_argument(fmt::format("{}: there is no result.h5 in it", name));
   return path / "result.h5";
-}
-
-/// The result folders that a name stands for: one, or those of a study.
-std::vector<std::filesystem::path> result_folders(const std::string& name)
-{
-  const std::filesystem::path path = existing(name, "file or folder");
-  std::vector<std::filesystem::path> folders;
-  if (!std::filesystem::is_directory(path))
-    folders.push_back(absolute_folder(path.parent_path()));
-  else if (std::filesystem::exists(path / "result.h5"))
-    folders.push_back(path);
-  else
-    for (const auto& inside : std::filesystem::directory_iterator(path))
-      folders.push_back(inside.path());
-  std::erase_if(folders, [](const std::filesystem::path& folder) {
-    return !std::filesystem::exists(folder / "result.h5");
-  });
-  if (folders.empty())
-    throw std::invalid_argument(fmt::format("{}: there are no results in it", name));
-  std::ranges::sort(folders, {}, [](const std::filesystem::path& p) { // 400-kPa before 1000-kPa
-    return std::pair(std::atof(p.filename().c_str()), p);
-  });
-  return folders;
 }
 
 /// Group of the snapshot nearest to a time; says so if it is not that time.
@@ -122,12 +92,39 @@ std::string packing_csv(const Packing& packing)
   return csv(columns);
 }
 
+/// Goes on with a study or a collection of scenes from its folder.
+int resume_study(const std::filesystem::path& folder, const RunOptions& options)
+{
+  refuse_other_options(options);
+  StoredStudy stored = read_study(folder, options.overrides);
+  print_diagnostics(stored.scene.diagnostics);
+  if (stored.scene.has_errors())
+    return exit_input;
+  return stored.scene.scene->study.scenes.empty()
+             ? run_study(std::move(stored.scene), options, true)
+             : run_collection(stored, options, true);
+}
+
+/// Adds what is wrong with the runs of a study or the scenes of a collection.
+void check_members(const std::string& scene, const std::vector<std::string>& overrides,
+                   LoadedScene& loaded)
+{
+  if (loaded.has_errors())
+    return;
+  std::vector<Diagnostic> problems =
+      loaded.scene->study.scenes.empty()
+          ? check_study_runs(scene, overrides, study_runs(*loaded.scene))
+          : check_collection(collected_scenes(loaded), overrides);
+  for (Diagnostic& each : problems)
+    loaded.diagnostics.push_back(std::move(each));
+}
+
 /// Goes on with a run or a study, from its folder or from a checkpoint.
 int resume_from(const std::filesystem::path& from, const RunOptions& options)
 {
   if (!std::filesystem::is_directory(from))
     return resume_run(from, options);
-  if (std::filesystem::exists(from / "study.scene"))
+  if (is_study(from))
     return resume_study(from, options);
   if (!has_checkpoint(from))
     throw std::invalid_argument(fmt::format(
@@ -149,15 +146,16 @@ int run_verb(const std::string& scene, const std::string& resume, const std::str
     return resume_from(resume, options);
   existing(scene, "file");
   LoadedScene loaded = load_scene(scene, options.overrides);
-  const std::vector<StudyRun> runs =
-      loaded.has_errors() ? std::vector<StudyRun>{} : study_runs(*loaded.scene);
-  if (runs.empty())
+  const bool several = !loaded.has_errors() &&
+                       (!loaded.scene->study.scenes.empty() || !study_runs(*loaded.scene).empty());
+  if (!several)
     return run_scene(std::move(loaded), options);
-  for (Diagnostic& each : check_study_runs(scene, options.overrides, runs))
-    loaded.diagnostics.push_back(std::move(each));
+  check_members(scene, options.overrides, loaded);
   print_diagnostics(loaded.diagnostics);
   if (loaded.has_errors())
     return exit_input;
+  if (!loaded.scene->study.scenes.empty())
+    return run_collection({std::move(loaded), options.overrides}, options, false);
   return run_study(std::move(loaded), options, false);
 }
 
@@ -165,9 +163,7 @@ int check_verb(const std::string& scene, const std::vector<std::string>& overrid
 {
   existing(scene, "file");
   LoadedScene loaded = load_scene(scene, overrides);
-  if (!loaded.has_errors())
-    for (Diagnostic& each : check_study_runs(scene, overrides, study_runs(*loaded.scene)))
-      loaded.diagnostics.push_back(std::move(each));
+  check_members(scene, overrides, loaded);
   if (!loaded.has_errors() && loaded.scene->solver == SolverChoice::continuum) {
     try {
       check_continuum_files(loaded);
@@ -257,20 +253,17 @@ int new_verb(const std::string& kind)
   return exit_ok;
 }
 
-int plot_verb(const std::vector<std::string>& results, const std::string& output)
+int keys_verb()
 {
-  std::vector<std::filesystem::path> folders;
-  for (const std::string& each : results)
-    for (std::filesystem::path& folder : result_folders(each))
-      folders.push_back(std::move(folder));
-  std::filesystem::path target = output;
-  if (output.empty())
-    target = std::filesystem::is_directory(results[0]) ? results[0] : folders[0].string();
-  make_folder(target);
-  const std::vector<std::string> figures = make_figures(folders, target);
-  for (const std::string& figure : figures)
-    fmt::print("{}\n", figure);
-  return figures.empty() ? exit_failure : exit_ok;
+  const Units units;
+  Schema schema(units);
+  Scene scene;
+  declare(schema, scene, {{"NAME"}, {"NAME"}, {"NAME"}});
+  fmt::print(
+      "# All keys of a scene\n\nPrinted by `mastic keys`, version {}. A scene with all of them: "
+      "`mastic new`.\n\n{}",
+      MASTIC_VERSION, schema.reference());
+  return exit_ok;
 }
 
 int export_verb(const std::string& result, const std::string& table, const std::string& time)

@@ -14,6 +14,10 @@ int pack_verb(const std::string& scene, const std::string& output,
               const std::vector<std::string>& overrides);
 int new_verb(const std::string& kind);
 int plot_verb(const std::vector<std::string>& results, const std::string& output);
+int report_verb(const std::vector<std::string>& results, const std::string& output);
+int picture_verb(const std::string& result, const std::string& output, const std::string& time,
+                 double magnify);
+int keys_verb();
 int export_verb(const std::string& result, const std::string& table, const std::string& time);
 int info_verb(const std::string& file);
 

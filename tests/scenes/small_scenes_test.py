@@ -24,6 +24,12 @@ def numbers(file):
 
 def run(scene, *settings, code=0):
     """Runs a scene; returns the tables history and breakages as lists of {column: number}."""
+    folder = folder_of(scene, *settings, code=code)
+    return [numbers(folder / table) for table in ("history.csv", "breakages.csv")]
+
+
+def folder_of(scene, *settings, code=0):
+    """Runs a scene or a study; returns the folder of its results."""
     folder = Path(tempfile.mkdtemp())
     command = [MASTIC, "run", str(ROOT / "scenes/small" / scene), "--quiet"]
     for setting in (*settings, f"Output/Folder = {folder}", "Output/Plots = false"):
@@ -31,7 +37,7 @@ def run(scene, *settings, code=0):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != code:
         raise AssertionError(f"exit code {done.returncode}: {done.stdout}{done.stderr}")
-    return [numbers(folder / table) for table in ("history.csv", "breakages.csv")]
+    return folder
 
 
 def compliance(t):
@@ -88,7 +94,9 @@ class SmallScenes(unittest.TestCase):
             self.assertLessEqual(abs(found["time_s"] - float(event["t"])), 1e-5)
 
     def test_dividing_the_viscosities_by_ten_compresses_time_by_ten(self):
-        (full, _), (fast, _) = run("scaling-1.scene"), run("scaling-10.scene")
+        folder = folder_of("../paper/scaling.scene")
+        full, fast = (numbers(folder / f"{v}-N-s-m_{v}-N-s-m_{t}-s" / "history.csv")
+                      for v, t in (("1e7", 2000), ("1e6", 200)))
         self.assertEqual(len(full), len(fast))
         for a, b in zip(full, fast):
             self.close(b["time_s"], a["time_s"] / 10, 1e-15) if a["time_s"] else None
