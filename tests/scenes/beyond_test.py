@@ -103,13 +103,13 @@ class Beyond(unittest.TestCase):
         self.rising([column(r, "axial_strain_percent")[-1] for r in runs])
         self.rising([column(r, "broken_bonds")[-1] for r in runs])
 
-    def test_strain_of_intact_specimens_is_nearly_linear_in_the_confining_stress(self):
+    def test_strain_of_intact_specimens_is_linear_in_the_confining_stress(self):
         folder = run("confined-creep", "intact", "Loading/End time = 5 s",
                      "Strength/Distribution = none", "Quasistatic/Geometry = small",
                      "Quasistatic/Residual tolerance = 1e-9")
-        none, half, full = (column(folder / f"{c}-kPa", "axial_strain_percent")
-                            for c in (0, 100, 200))
-        self.equal(half, [(a + b) / 2 for a, b in zip(none, full)], 1e-3)
+        curves = [column(folder / f"{c}-kPa", "axial_strain_percent") for c in (0, 100, 200)]
+        none, half, full = ([c[0], c[-1]] for c in curves)  # the error of steps shows in between
+        self.equal(half, [(a + b) / 2 for a, b in zip(none, full)], 1e-8)
 
     def test_gradings_have_as_many_bonds_and_the_table_is_the_named_one(self):
         short = "Loading/End time = 5 s", "Loading/Axial stress = 200 kPa"
