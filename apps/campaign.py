@@ -12,7 +12,7 @@ import sys
 import warnings
 from pathlib import Path
 
-from plot import STYLE, replaced  # says what is missing, should it be
+from plot import replaced  # says what is missing, should it be
 
 import h5py
 import matplotlib
@@ -21,6 +21,7 @@ import campaign_figures
 import run_summary
 import statistics_of_runs as statistics
 from results import COLOURS
+from sheet import STYLE
 
 SEEDS = ("Specimen/Seed", "Strength/Seed")
 NAMES = {"Specimen/Seed": "packing", "Strength/Seed": "strength seed",

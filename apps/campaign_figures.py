@@ -2,7 +2,7 @@
 import numpy as np
 import statistics_of_runs as statistics
 from curves import before_collapse, power_law
-from plot import Sheet
+from sheet import Sheet
 
 MARKERS = "osD^vP*X"
 BAND = ("Thin: each run. Thick: median. Band: 10 % to 90 % of the runs. Medians and bands end where half "

@@ -20,7 +20,7 @@ try:
     import numpy as np
     from matplotlib.figure import Figure
 
-    from plot import DPI, STYLE, WIDTH, log_label
+    from sheet import DPI, STYLE, WIDTH, log_label
     from results import COLOURS
 except ImportError as problem:
     sys.exit(f"fit.py: {problem}")

@@ -75,6 +75,8 @@ class Result:
         self.follows_stress = self.test in ("stress history", *CYCLIC)
         self.creeps = self.test in ("creep", "particle loads", "boundary loads")
         self.kind = DISPLACEMENT if self.strain is None else STRAIN
+        self.shift = (None if self.scene.get("Temperature/Temperature history")
+                      else float(self.about.get("viscosity_shift_aT", 1)))  # one aT for the run
         self.first_time = self.time[self.time > 0].min(initial=np.inf)
 
     def curve(self):

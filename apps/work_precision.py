@@ -18,7 +18,7 @@ try:
     import matplotlib
     from matplotlib.figure import Figure
 
-    from plot import DPI, STYLE, WIDTH
+    from sheet import DPI, STYLE, WIDTH
     from results import COLOURS
 except ImportError as problem:
     sys.exit(f"work_precision.py: {problem}")

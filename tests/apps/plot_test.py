@@ -14,6 +14,7 @@ sys.dont_write_bytecode = True
 import numpy as np  # noqa: E402
 import curves  # noqa: E402
 import results  # noqa: E402
+import temperature_figures  # noqa: E402
 
 TIME = np.r_[0, np.geomspace(0.01, 2000, 400)]
 
@@ -149,6 +150,31 @@ class Bins(unittest.TestCase):
             edges = curves.bin_edges(0.01 if log else 0, 1000, log)
             number = curves.binned_rate(times, edges) * np.diff(edges)
             self.assertAlmostEqual(number.sum(), 1234)
+
+
+class FakeResult:
+    """What the choice of results for reduced times looks at."""
+
+    def __init__(self, shift, law="WLF", reference="20 degC"):
+        self.shift = shift
+        self.scene = {"Temperature/Shift law": law, "Temperature/Reference temperature": reference}
+
+
+class ReducedTimes(unittest.TestCase):
+    def comparable(self, *each):
+        return len(temperature_figures.comparable(list(each)))
+
+    def test_need_runs_that_differ_in_their_shift(self):
+        self.assertEqual(self.comparable(FakeResult(1)), 0)
+        self.assertEqual(self.comparable(FakeResult(2), FakeResult(2)), 0)
+        self.assertEqual(self.comparable(FakeResult(1), FakeResult(2)), 2)
+
+    def test_leave_out_runs_without_one_shift(self):  # temperatures that change, no shift law
+        self.assertEqual(self.comparable(FakeResult(1), FakeResult(2), FakeResult(None)), 2)
+        self.assertEqual(self.comparable(FakeResult(1), FakeResult(2), FakeResult(1, "none")), 2)
+
+    def test_need_one_reference_temperature(self):
+        self.assertEqual(self.comparable(FakeResult(1), FakeResult(2, reference="10 degC")), 0)
 
 
 class Other(unittest.TestCase):
