@@ -185,7 +185,8 @@ def arguments(words):
     parser.add_argument("result", help="folder that holds result.h5")
     parser.add_argument("--time", help="time of the snapshot, such as '100 s' (default: the last)")
     parser.add_argument("--magnify", type=float, default=1.0, help="factor on displacements")
-    parser.add_argument("--height", type=int, default=HEIGHT, help="of a rendered picture [pixels], at least 100")
+    parser.add_argument("--height", type=int, default=HEIGHT,
+                        help="of a rendered picture [pixels], at least 100")
     parser.add_argument("--threads", type=int, default=1, help="of POV-Ray")
     options = parser.parse_args(words)
     if options.height < 100 or options.threads < 1 or not np.isfinite(options.magnify):
