@@ -83,13 +83,14 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
   const BodyLinks links_of = body_links(state.links, state.centre.size());
   const double friction =
       model.settings.after_breakage == AfterBreakage::friction ? model.settings.friction : 0;
+  const Eigen::VectorXd confinement = carried_confinement(model, state.links);
   Trial trial{duration, {}, {}, 0, 0, {}, 0};
   trial.load = load_after(model.loading, time, duration);
   EquilibriumProblem problem{{&assembly, &model.bodies, &state.links, state.centre, laws, friction,
                               model.settings.regularisation, model.settings.geometry},
                              &links_of,
                              holds(state, hold_everything, stiffness),
-                             model.confinement,
+                             confinement,
                              {},
                              0,
                              residual_tolerance,
@@ -141,7 +142,7 @@ QuasistaticSolver::Trial QuasistaticSolver::attempt(const QuasistaticState& stat
     trial.displacement = model.unit_load.dot(found.x) / norm;
     trial.energy.work = 0.5 * (state.path.back().force + trial.load) * norm * trial.displacement;
   }
-  trial.energy.work += model.confinement.dot(found.x);
+  trial.energy.work += confinement.dot(found.x);
   for (std::size_t i = 0; i < problem.hold.size(); ++i)
     if (const Index dof = model.dofs.first_dof[i]; dof >= 0 && problem.hold[i] > 0)
       trial.energy.regularisation += problem.hold[i] * found.x.segment<6>(dof).squaredNorm();

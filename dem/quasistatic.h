@@ -38,6 +38,10 @@ QuasistaticModel make_quasistatic_model(const Assembly& assembly, const Loading&
                                         const QuasistaticSettings& settings, double strain_limit,
                                         std::optional<ReducedTime> clock = {});
 
+/// The dead forces on the bodies that the specimen carries: with a bond, or with contacts on three
+/// sides. A sphere that hangs on less has left the surface, and would fly off.
+Eigen::VectorXd carried_confinement(const QuasistaticModel& model, const Links& links);
+
 /// What has happened so far. A value: copying it and going on gives the same future, bit for bit.
 struct QuasistaticState {
   std::vector<Vec3> centre;   ///< of all bodies [m]

@@ -82,6 +82,23 @@ QuasistaticModel make_quasistatic_model(const Assembly& assembly, const Loading&
   return model;
 }
 
+Eigen::VectorXd carried_confinement(const QuasistaticModel& model, const Links& links)
+{
+  constexpr int enough = 3; // contacts; a bond counts as so many
+  if (model.confinement.isZero(0))
+    return model.confinement;
+  std::vector<int> n_held(model.bodies.radius.size(), 0);
+  for (const Link& link : links.link)
+    if (link.closed)
+      for (const Index body : {link.first, link.second})
+        n_held[body] += link.kind == LinkKind::bond ? enough : 1;
+  Eigen::VectorXd carried = model.confinement;
+  for (std::size_t i = 0; i < n_held.size(); ++i)
+    if (const Index dof = model.dofs.first_dof[i]; dof >= 0 && n_held[i] < enough)
+      carried.segment<6>(dof).setZero();
+  return carried;
+}
+
 QuasistaticState start(const QuasistaticModel& model)
 {
   QuasistaticState state;

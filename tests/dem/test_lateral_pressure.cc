@@ -2,6 +2,7 @@
 #include "dem/lateral_pressure.h"
 #include "dem/linear.h"
 #include "dem/packing.h"
+#include "dem/quasistatic.h"
 #include "tests/dem/assemblies.h"
 #include "tests/dem/event_runs.h"
 #include "tests/dem/laws.h"
@@ -155,4 +156,30 @@ TEST(LateralPressure, IsRefusedBySolversThatCannotTakeIt)
                std::invalid_argument);
   assembly.confinement = {{1000, Vec3(1, 0, 0), Vec3::Zero()}};
   EXPECT_THROW(validate(assembly), std::invalid_argument);
+}
+
+TEST(LateralPressure, LeavesAloneWhatTheSpecimenDoesNotCarry)
+{
+  Assembly assembly = assemblies::block(3, 4, BondLaw{laws::burgers_set("asphalt"), 11, 1}, 1);
+  const Index carried = 20, alone = Index(assembly.particles.size());
+  assembly.particles.centre.push_back(
+      {30e-3, 4e-3, 6e-3}); // beside the block, in touch with nothing
+  assembly.particles.radius.push_back(2e-3);
+  assembly.particles.material_class.push_back(0);
+  assembly.support.push_back(Support::free);
+  assembly.confinement = {{carried, Vec3(-1, 0, 0), Vec3::Zero()},
+                          {alone, Vec3(-1, 0, 0), Vec3::Zero()}};
+  const Loading loading = step_load(Loading::Control::force, -1, 10);
+  const QuasistaticModel model =
+      make_quasistatic_model(assembly, loading, RateLaw{}, QuasistaticSettings{}, 1);
+  const Eigen::VectorXd forces = carried_confinement(model, start(model).links);
+  EXPECT_EQ(forces.segment<3>(model.dofs.first_dof[carried]), Vec3(-1, 0, 0));
+  EXPECT_TRUE(forces.segment<6>(model.dofs.first_dof[alone]).isZero(0));
+  QuasistaticSolver solver(model, 1);
+  QuasistaticState state = start(model);
+  while (state.end == RunEnd::running)
+    state = solver.step(std::move(state));
+  EXPECT_EQ(state.end, RunEnd::finished);
+  EXPECT_EQ(state.centre[alone], assembly.particles.centre[alone]);
+  EXPECT_LT(state.centre[carried].x(), assembly.particles.centre[carried].x());
 }
