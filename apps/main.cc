@@ -333,7 +333,9 @@ int finished(int exit_code)
 int main(int argc, char** argv)
 {
   CLI::App app{"Mastic: creep and breakage of asphalt and other bonded granular materials."};
+  app.name("mastic");
   app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "Print the help of all verbs and exit");
   app.set_version_flag("--version", std::string("mastic " MASTIC_VERSION " (" MASTIC_REVISION ")"));
   app.footer(
       "A first scene: mastic new creep > my.scene; mastic check my.scene; mastic run my.scene\n"

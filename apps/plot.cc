@@ -35,6 +35,8 @@ std::vector<std::string> draw(const std::string& script, const std::vector<std::
   for (const std::string& line : split(finished.output, '\n'))
     if (line.ends_with(ending)) // Python's own warnings come in the same pipe
       figures.push_back(line);
+    else if (line.starts_with("note: "))
+      fmt::print(stderr, "{}\n", line);
   return figures;
 }
 

@@ -46,9 +46,14 @@ def draw_response(results, key, folder):
     history = not log and all(
         r.follows_stress or r.test == "strain history" for r in results)
     sheet = Sheet(results, (1, 1) if log or history else (1,))
+    compared = any(r.measured for r in results)
     for r in results:
+        text = f"rms {100 * r.difference:.3g} % off measured" if r.measured else ""
         for axes in sheet.panels[:1 + log]:
-            axes.plot(*r.curve(), **r.look, label=r.legend())
+            axes.plot(*r.curve(), **r.look, label=r.legend(text))
+            if r.measured:
+                axes.plot(r.measured["time_s"], r.measured[kind.column], "o", ms=5, mfc="none",
+                          color=r.look["color"])
         if history:
             sheet.panels[1].plot(r.time, r.stress, **r.look)
     sheet.label(0, "Time [s]", kind.axis)
@@ -58,7 +63,7 @@ def draw_response(results, key, folder):
                                  1.5 * max(r.end for r in results))
     if history:
         sheet.label(1, "Time [s]", "Axial stress [kPa], compression positive")
-    sheet.save(folder / f"{kind.name}_time.png", key)
+    sheet.save(folder / f"{kind.name}_time.png", key, "Circles: measured." if compared else "")
 
 
 def draw_rate(results, key, folder):

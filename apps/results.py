@@ -58,6 +58,9 @@ class Result:
         self.history, self.breakages, self.modulus, self.cycles, self.energy = (
             {name: column[()] for name, column in file.get(table, {}).items()}
             for table in ("history", "breakages", "complex_modulus", "cycles", "energy"))
+        self.measured = {name: column[()] for name, column in file.get("measured", {}).items()}
+        self.difference = (float(file["measured"].attrs["relative_rms_difference"])
+                           if self.measured else np.nan)
         self.volumes, self.damage = ({name: column[()] for name, column in file.get(t, {}).items()}
                                      for t in ("volumes", "damage"))
         if self.damage:

@@ -6,6 +6,7 @@
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/load_case.h"
+#include "apps/measured.h"
 #include "apps/plot.h"
 #include "apps/progress.h"
 #include "apps/ranks.h"
@@ -114,6 +115,20 @@ int judged(const RunInProgress& r, const std::filesystem::path& folder, const Ru
   return report_checks(checks, folder) ? code : int(exit_not_met);
 }
 
+/// How near the simulation comes to what was measured.
+void tell_agreement(RunInProgress& r)
+{
+  const MeasuredCurve measured = measured_curve(r.scene);
+  if (measured.time.empty())
+    return;
+  const Agreement found =
+      agreement(measured, history_columns(face_of(r.specimen.assembly), r.record.history));
+  say(r, found.n_points > 0
+             ? fmt::format("  measured: rms difference {:.3g} % of the largest strain, {} points",
+                           100 * found.difference, found.n_points)
+             : "  measured: no point lies within the simulated times");
+}
+
 int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptions& options)
 {
   make_folder(folder); // now, not after hours
@@ -140,6 +155,7 @@ int finish(RunInProgress& r, const std::filesystem::path& folder, const RunOptio
                        "length the change of geometry that it leaves out is of that order",
                        std::abs(100 * last.strain)));
   write_results(r, folder, r.wall_time_before);
+  tell_agreement(r);
   if (r.decision.solver == SolverChoice::dynamic && r.scene.scene->audit)
     print_scaling_audit(r, folder);
   remove_checkpoints(folder);
@@ -193,6 +209,7 @@ int run_accepted(LoadedScene scene, const RunOptions& options)
   if (options.packing && !generated)
     throw std::invalid_argument("--packing: the scene reads its particles from a file already "
                                 "(Source = file)");
+  measured_curve(scene); // what is wrong with it is said before the run
   RunInProgress r;
   say(r, scene.name + (scene.scene->title.empty() ? "" : ": " + scene.scene->title));
   r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))

@@ -274,6 +274,9 @@ void declare_output(Schema& s, Scene::Output& v)
                "Times at which all particles and bonds are stored, besides the start and the end.");
   s.quantities("Frequencies", v.frequencies, "Hz", "0.01 Hz, 0.1 Hz, 1 Hz, 10 Hz, 25 Hz", above(0),
                "For the complex modulus (solver linear).");
+  s.words("Measured", v.measured, "",
+          "Table (.csv) of a creep test of the laboratory, beside this file: time [s], axial strain [%] "
+          "and axial stress [kPa], or creep compliance [1/GPa]; drawn and compared.");
   s.flag("ParaView", v.paraview, "true", "Write snapshots for ParaView.");
   s.flag("Plots", v.plots, "true", "Make the figures at the end.");
   s.quantity("Checkpoint interval", v.checkpoint_interval, "s", "60 s", above(0),

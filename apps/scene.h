@@ -125,6 +125,7 @@ struct Scene {
 
   struct Output {
     std::string folder;
+    std::string measured; ///< file; empty: none
     long n_times;
     TimeSpacing spacing;
     double first_time;                  ///< [s]

@@ -301,6 +301,12 @@ void check_output(const Scene& scene, Findings& findings)
                     fmt::format("{:g} s comes after the end of the test at {:g} s", time, end));
 }
 
+void check_measured(const Scene& scene, Findings& findings)
+{
+  if (!scene.output.measured.empty() && scene.load.test != TestKind::creep)
+    findings.error("Output/Measured", "only a creep test can be compared (Loading/Test = creep)");
+}
+
 void check_study(const Scene& scene, Findings& findings)
 {
   for (const std::string& problem : factor_problems(scene.study.vary, scene.study.values)) {
@@ -335,6 +341,7 @@ std::vector<Diagnostic> check_consistency(const Scene& scene, const Schema& sche
   check_solver(scene, findings);
   check_continuum(scene, findings);
   check_output(scene, findings);
+  check_measured(scene, findings);
   check_study(scene, findings);
   return findings.list;
 }

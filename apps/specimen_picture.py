@@ -204,7 +204,7 @@ def main(words=None):
         s = snapshot.read(result, wanted, options.magnify)
         povray.require()
         if wanted is not None and not snapshot.same_time(s.time, wanted):
-            print(f"specimen_picture.py: no snapshot at {wanted:g} s; the nearest is at "
+            print(f"note: no snapshot at {wanted:g} s; the nearest is at "
                   f"{s.time:.6g} s", file=sys.stderr)
         options.folder.mkdir(parents=True, exist_ok=True)
         draw(result, s, options.folder, options)

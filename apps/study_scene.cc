@@ -46,6 +46,7 @@ LoadedScene scene_of_run(const LoadedScene& study, const std::string& name,
   };
   settings.push_back("Specimen/File = " + full_name(varied.scene->specimen.file));
   settings.push_back("Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file));
+  settings.push_back("Output/Measured = " + full_name(varied.scene->output.measured));
   settings.push_back("Body/Law = " + full_name(varied.scene->continuum.body.law_file));
   settings.push_back("Body/Mesh file = " + full_name(varied.scene->continuum.body.mesh_file));
   for (const auto& [region, law] : varied.scene->continuum.regions)

@@ -4,6 +4,7 @@
 #include "apps/collection.h"
 #include "apps/continuum_run.h"
 #include "apps/files.h"
+#include "apps/measured.h"
 #include "apps/schema.h"
 #include "apps/stored_study.h"
 #include "apps/study.h"
@@ -175,6 +176,13 @@ int check_verb(const std::string& scene, const std::vector<std::string>& overrid
       make_specimen(loaded, make_packing(loaded));
     } catch (const std::exception& problem) {
       loaded.diagnostics.push_back({Diagnostic::Kind::error, "Specimen", problem.what()});
+    }
+  }
+  if (!loaded.has_errors()) {
+    try {
+      measured_curve(loaded);
+    } catch (const std::invalid_argument& problem) {
+      loaded.diagnostics.push_back({Diagnostic::Kind::error, "Output/Measured", problem.what()});
     }
   }
   print_diagnostics(loaded.diagnostics);
