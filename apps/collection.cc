@@ -83,7 +83,7 @@ std::vector<Diagnostic> check_collection(const std::vector<fs::path>& scenes,
 {
   std::vector<Diagnostic> problems;
   const auto wrong = [&](const std::string& message) {
-    problems.push_back({Diagnostic::Kind::error, "Study/Scenes", message});
+    problems.push_back({Diagnostic::Kind::error, "Study/Scene files", message});
   };
   std::vector<std::string> names;
   for (const fs::path& file : scenes) {

@@ -7,7 +7,8 @@
 
 namespace apps {
 
-/// The scene files that a scene names in Study/Scenes, with full names; empty if it names none.
+/// The scene files that a scene names in Study/Scene files, with full names; empty if it names
+/// none.
 std::vector<std::filesystem::path> collected_scenes(const LoadedScene& scene);
 
 /// What is wrong with the scenes of a collection, each checked as it would be run.

@@ -43,10 +43,10 @@ const Kind& kind_of(const CsvTable& table, const std::filesystem::path& file)
     throw std::invalid_argument(fmt::format("{}: there are two measured columns, '{}' and '{}'",
                                             file.string(), strain_column, found->name));
   if (!found)
-    throw std::invalid_argument(
-        fmt::format("{}: there is no measured column: creep compliance [1/GPa], axial strain [%] with "
-                    "axial stress [kPa], relaxation modulus [MPa] or dynamic modulus [MPa]",
-                    file.string()));
+    throw std::invalid_argument(fmt::format(
+        "{}: there is no measured column: creep compliance [1/GPa], axial strain [%] with "
+        "axial stress [kPa], relaxation modulus [MPa] or dynamic modulus [MPa]",
+        file.string()));
   return *found;
 }
 
@@ -71,8 +71,8 @@ std::vector<double> measured_values(const CsvTable& table, const Kind& kind,
   if (!table.find(strain_column))
     return positive(table, kind.name, kind.unit);
   if (stresses.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: a column '{}' needs one '{}'", file.string(), strain_column, stress_column));
+    throw std::invalid_argument(fmt::format("{}: a column '{}' needs one '{}'", file.string(),
+                                            strain_column, stress_column));
   std::vector<double> values = positive(table, strain_column, "percent");
   for (std::size_t row = 0; row < values.size(); ++row)
     values[row] *= 0.01 / stresses[row];
@@ -86,8 +86,7 @@ void require_rising(const CsvTable& table, const FitData& data)
   const auto& points = data.measurements.points;
   for (std::size_t row = 0; row < points.size(); ++row) {
     const std::string specimen = data.specimens.empty() ? "" : data.specimens[row];
-    const auto [before, first] =
-        last.try_emplace(
+    const auto [before, first] = last.try_emplace(
         {specimen, points[row].temperature, data.stresses.empty() ? 0 : data.stresses[row]},
         points[row].at);
     if (!first && points[row].at <= before->second)
@@ -106,8 +105,9 @@ FitData read_fit_data(const std::filesystem::path& file)
 {
   const Units units;
   const CsvTable table(file, units);
-  table.allow_only({"time", "frequency", "creep compliance", strain_column, stress_column, "relaxation modulus",
-                    "dynamic modulus", "phase angle", "temperature", "specimen", "weight"});
+  table.allow_only({"time", "frequency", "creep compliance", strain_column, stress_column,
+                    "relaxation modulus", "dynamic modulus", "phase angle", "temperature",
+                    "specimen", "weight"});
   const Kind& kind = kind_of(table, file);
   const bool frequency = kind.quantity == fem::Quantity::dynamic_modulus;
   if (const char* other = frequency ? "time" : "frequency"; table.find(other))

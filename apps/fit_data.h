@@ -26,8 +26,8 @@ struct FitData {
 /// \throws std::invalid_argument naming file, line and column: a column that is missing, unknown,
 /// or
 ///         of another dimension; a cell that is not a number or not > 0; a phase angle outside 0 to
-///         90 degrees; times that do not rise within a specimen, temperature and stress; fewer than three
-///         rows
+///         90 degrees; times that do not rise within a specimen, temperature and stress; fewer than
+///         three rows
 FitData read_fit_data(const std::filesystem::path& file);
 
 } // namespace apps

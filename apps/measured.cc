@@ -51,8 +51,9 @@ MeasuredCurve measured_curve(const LoadedScene& scene)
         std::abs(data.stresses[k] - std::abs(stress)) > same * std::abs(stress))
       continue;
     curve.time.push_back(data.measurements.points[k].at);
-    curve.strain.push_back(data.measurements.points[k].value *
-                           (data.stresses.empty() ? stress : std::copysign(data.stresses[k], stress)));
+    curve.strain.push_back(
+        data.measurements.points[k].value *
+        (data.stresses.empty() ? stress : std::copysign(data.stresses[k], stress)));
   }
   if (curve.time.empty())
     throw std::invalid_argument(

@@ -13,15 +13,16 @@ struct MeasuredCurve {
   std::vector<double> strain; ///< compression positive [-]
 };
 
-/// Reads the measured curve of a scene: the rows at its stress (within 1 %), or all rows if the table
-/// has no column 'axial stress'; a compliance is multiplied by the stress. Empty if the scene names
-/// none.
-/// \throws std::invalid_argument as `read_fit_data`, or if no row is at the stress of the scene, or the
+/// Reads the measured curve of a scene: the rows at its stress (within 1 %), or all rows if the
+/// table has no column 'axial stress'; a compliance is multiplied by the stress. Empty if the scene
+/// names none. \throws std::invalid_argument as `read_fit_data`, or if no row is at the stress of
+/// the scene, or the
 ///         table holds moduli
 MeasuredCurve measured_curve(const LoadedScene& scene);
 
-/// Root of the mean square difference between measured and simulated strain over the largest measured
-/// one, at the measured times within the simulated ones; strains are interpolated linearly.
+/// Root of the mean square difference between measured and simulated strain over the largest
+/// measured one, at the measured times within the simulated ones; strains are interpolated
+/// linearly.
 struct Agreement {
   std::size_t n_points;
   double difference; ///< [-]; nan without points

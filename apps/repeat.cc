@@ -42,8 +42,9 @@ fs::path write_scene(const LoadedScene& scene, const fs::path& folder)
                   {"Specimen/File = " + full_name(varied.scene->specimen.file),
                    "Specimen/Bond file = " + full_name(varied.scene->specimen.bond_file),
                    "Output/Folder = " + absolute_folder(folder).string(), "Output/Plots = false",
-                   "Output/ParaView = false", "Output/Measured =", "Repeat/Scene =", "Repeat/Settings =",
-                   "Repeat/Threads = 0", "Repeat/Interruptions = 0"}); // once is enough
+                   "Output/ParaView = false",
+                   "Output/Measured =", "Repeat/Scene =", "Repeat/Settings =", "Repeat/Threads = 0",
+                   "Repeat/Interruptions = 0"}); // once is enough
   const LoadedScene second = loaded(settings);
   for (const Diagnostic& each : second.diagnostics)
     if (each.kind == Diagnostic::Kind::error)

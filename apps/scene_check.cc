@@ -314,7 +314,8 @@ void check_study(const Scene& scene, Findings& findings)
     findings.error("Study/" + problem.substr(0, colon), problem.substr(colon + 2));
   }
   if (!scene.study.scenes.empty() && !scene.study.vary.empty())
-    findings.error("Study/Scenes", "each scene varies keys of its own; leave out Vary and Values");
+    findings.error("Study/Scene files",
+                   "each scene varies keys of its own; leave out Vary and Values");
 }
 
 } // namespace

@@ -38,7 +38,7 @@ std::filesystem::path stored_packing(const LoadedScene& scene, const std::string
 LoadedScene scene_of_run(const LoadedScene& study, const std::string& name,
                          std::vector<std::string> settings)
 {
-  settings.insert(settings.end(), {"Study/Vary =", "Study/Values =", "Study/Scenes ="});
+  settings.insert(settings.end(), {"Study/Vary =", "Study/Values =", "Study/Scene files ="});
   const std::string text = study.schema->print(false), file_name = name + ".scene";
   const LoadedScene varied = load_scene_text(text, file_name, study.folder, settings);
   const auto full_name = [&](const std::string& file) {

@@ -207,7 +207,7 @@ class Command(WithResult):
     def test_says_which_snapshot_is_nearest(self):
         message, out, err = self.run_it(self.folder, "--height", 100, "--time", "2 s")
         self.assertEqual(message, "")
-        self.assertEqual(err, "specimen_picture.py: no snapshot at 2 s; the nearest is at 0 s\n")
+        self.assertEqual(err, "note: no snapshot at 2 s; the nearest is at 0 s\n")
         self.assertNotIn("broken", out)  # nothing yet
 
     def test_says_what_to_install(self):

@@ -84,7 +84,8 @@ TEST(Scene, ListsWhatThereIsIfNothingIsNear)
                    "a.scene:1: there is no key 'Km'; keys outside of sections are: Title, Solver, "
                    "Small strain, "
                    "Accept unusual values",
-                   "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, Values",
+                   "a.scene:3: there is no key 'Km' in section 'Study'; its keys are: Vary, "
+                   "Values, Scene files",
                    "a.scene:10: there is no section 'Nonsense'; sections are: Specimen, Bonds, "
                    "Temperature, Strength, Loading, Quasistatic, Dynamic, Output, Study, Volume "
                    "element, Body, Continuum, Volumes, Probes, Expect, "

@@ -37,12 +37,13 @@ TEST(Command, RefusesUnknownVerbsOptionsAndFiles)
 {
   const command::Folder folder;
   const std::string verbs = "; verbs: run, study, extract, calibrate, fit, check, pack, new, plot, "
+                            "report, picture, keys, "
                             "export, info, card, point\n";
   expect_error(folder, {"runn"}, "error: there is no verb 'runn'; did you mean 'run'?" + verbs);
-  expect_error(
-      folder, {},
-      "error: say what to do: run, study, extract, calibrate, fit, check, pack, new, plot, "
-      "export, info, card, point; or see mastic --help\n");
+  expect_error(folder, {},
+               "error: say what to do: run, study, extract, calibrate, fit, check, pack, new, "
+               "plot, report, picture, keys, "
+               "export, info, card, point; or see mastic --help\n");
   expect_error(folder, {"run", "a.scene", "--set", "Loading/End", "time = 5 s"},
                "error: The following argument was not expected: time = 5 s; settings need quotes: "
                "--set \"Loading/Axial stress = 500 kPa\"\n");

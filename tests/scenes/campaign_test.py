@@ -204,7 +204,7 @@ class Collection(unittest.TestCase):
             "  set Test = constant rate\n  set End strain = 2 %\n")
         (cls.folder / "rates.scene").write_text(rate)
         (cls.folder / "all.scene").write_text(
-            "set Title = All\nsubsection Study\n  set Scenes = creep.scene, rates.scene, "
+            "set Title = All\nsubsection Study\n  set Scene files = creep.scene, rates.scene, "
             f"{ROOT}/scenes/paper/scaling.scene\nend\n")
         cls.output = mastic(cls.folder, "run", "all.scene", "--quiet", "--threads", "2")
         cls.page = cls.folder / "results/all/report.html"
@@ -252,7 +252,7 @@ class Collection(unittest.TestCase):
 
     def test_check_names_what_is_missing(self):
         (self.folder / "wrong.scene").write_text(
-            "subsection Study\n  set Scenes = creep.scene, nowhere.scene, creep.scene\nend\n")
+            "subsection Study\n  set Scene files = creep.scene, nowhere.scene, creep.scene\nend\n")
         said = mastic(self.folder, "check", "wrong.scene", code=2)
         self.assertIn("nowhere.scene: there is no such file", said)
         self.assertIn("two scenes would have their results in a folder 'creep'", said)
