@@ -42,7 +42,8 @@ void declare(Schema& s, Scene::Study& v)
           "';' are combined, each value of one with each of the others; keys joined by '&' change "
           "together: 'Loading/Axial stress; Specimen/Seed & Strength/Seed'.");
   s.words("Values", v.values, "",
-          "The values of each, separated by commas, in the form of Vary: '400 kPa, 500 kPa; 1 & 1, "
+          "The values of each, separated by commas (or by | if they hold commas), in the form of "
+          "Vary: '400 kPa, 500 kPa; 1 & 1, "
           "1 & 2'; '1..5' are the whole numbers from 1 to 5.");
   s.words("Scene files", v.scenes, "",
           "Scene files to run one after the other instead of this one, separated by commas; each "

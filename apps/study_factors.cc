@@ -48,10 +48,16 @@ std::vector<std::string> expanded(const std::string& value)
   return numbers;
 }
 
+/// Values that hold commas themselves are separated by bars.
+char separator_of(const std::string& values)
+{
+  return values.find('|') == std::string::npos ? ',' : '|';
+}
+
 std::vector<Level> levels_of(const std::string& values)
 {
   std::vector<Level> levels;
-  for (const std::string& each : split(values, ','))
+  for (const std::string& each : split(values, separator_of(values)))
     if (each.find('&') == std::string::npos)
       for (const std::string& number : expanded(each))
         levels.push_back({number});
@@ -98,7 +104,7 @@ void check_levels(const Factor& factor, std::vector<std::string>& problems)
   for (const Level& level : factor.levels) {
     const std::string text = joined(level, " & ");
     if (std::ranges::find(level, "") != level.end())
-      problems.push_back("Values: there is nothing between two commas");
+      problems.push_back("Values: there is nothing between two separators");
     else if (level.size() != factor.keys.size())
       problems.push_back(fmt::format("Values: '{}' gives {} value{}, but '{}' is {} key{}", text,
                                      level.size(), level.size() == 1 ? "" : "s", keys,

@@ -23,8 +23,9 @@ std::vector<std::string> varied_keys(const std::string& vary);
 std::vector<std::string> factor_problems(const std::string& vary, const std::string& values);
 
 /// The runs of a study: all combinations of the levels of its factors, the last factor changing
-/// fastest. `values` lists the levels of each factor, separated by commas, in the form of `vary`;
-/// "1..5" stands for the whole numbers from 1 to 5. Names differ from each other.
+/// fastest. `values` lists the levels of each factor, separated by commas, or by bars if values
+/// hold commas, in the form of `vary`; "1..5" stands for the whole numbers from 1 to 5. Names
+/// differ from each other.
 std::vector<StudyRun> combined_runs(const std::string& vary, const std::string& values);
 
 /// A value as the name of a folder: "400 kPa" is "400-kPa".

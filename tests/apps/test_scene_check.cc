@@ -83,7 +83,7 @@ TEST(SceneCheck, RefusesKeysThatDoNotGoTogether)
       {{"Study/Vary = Study/Values", "Study/Values = a, b"},
        "--set: Vary: 'Study/Values' cannot be varied"},
       {{"Study/Vary = Loading/Axial stress", "Study/Values = 1 kPa,, 2 kPa"},
-       "--set: Values: there is nothing between two commas"},
+       "--set: Values: there is nothing between two separators"},
       {{"Study/Vary = Loading/Axial stress", "Study/Values = 1 kPa, 2 kPa, 1 kPa"},
        "--set: Values: '1 kPa' comes twice"}};
   for (const Refused& each : cases)

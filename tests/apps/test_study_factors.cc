@@ -48,6 +48,14 @@ TEST(StudyFactors, RangesOfWholeNumbersAreWrittenWithTwoDots)
   EXPECT_EQ(names(combined_runs("Strength/Seed", "5..3")), std::vector<std::string>{"5..3"});
 }
 
+TEST(StudyFactors, ValuesWithCommasAreSeparatedByBars)
+{
+  const auto runs = combined_runs("A/B; C/D", "0 s: 1 kPa, 5 s: 2 kPa | 0 s: 3 kPa; 1, 2");
+  ASSERT_EQ(runs.size(), 4u);
+  EXPECT_EQ(runs[1].settings(),
+            (std::vector<std::string>{"A/B = 0 s: 1 kPa, 5 s: 2 kPa", "C/D = 2"}));
+}
+
 TEST(StudyFactors, NamesDifferWhereValuesLookAlike)
 {
   EXPECT_EQ(names(combined_runs("A/B", "1 kPa, 1-kPa")),
