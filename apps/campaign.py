@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Tables, statistics and figures of a study from the runs in its folder.
 
-usage: campaign.py FOLDER
+usage: campaign.py FOLDER [--tables]
 
 FOLDER holds runs.csv and a folder for each run. Written there: summary.csv (a row for each run),
 statistics.csv and variance.csv (groups of runs), study.h5 (all of these, and the bands of the
 curves), and figures where several runs make a group. The paths of the figures are printed.
+With --tables there are no figures.
 """
 import os
 import sys
@@ -179,8 +180,8 @@ def write_results(folder, key, groups, found, tables):
     os.replace(part, folder / "study.h5")
 
 
-def summarise(folder):
-    """All tables and figures of a study."""
+def summarise(folder, with_figures):
+    """All tables of a study, and its figures."""
     runs = run_summary.read_runs(folder)
     if not any(run.result for run in runs):
         raise ValueError(f"{folder}: no run of the study has a result")
@@ -192,17 +193,17 @@ def summarise(folder):
     for name, text in tables.items():
         replaced(folder / name, text)
     write_results(folder, key, groups, found, tables)
-    if any(len(group.done) > 1 for group in groups):
+    if with_figures and any(len(group.done) > 1 for group in groups):
         matplotlib.rcParams.update(STYLE)
         campaign_figures.draw(folder, key, groups, found)
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: campaign.py FOLDER")
+    if len(sys.argv) < 2 or sys.argv[2:] not in ([], ["--tables"]):
+        sys.exit("usage: campaign.py FOLDER [--tables]")
     warnings.simplefilter("ignore")  # on standard error too
     try:
-        summarise(Path(sys.argv[1]))
+        summarise(Path(sys.argv[1]), not sys.argv[2:])
     except Exception as error:  # the caller shows one line
         kind = "" if isinstance(error, (OSError, ValueError)) else f"{type(error).__name__}: "
         sys.exit(f"campaign.py: {kind}{' '.join(str(error).split())}")

@@ -19,7 +19,7 @@ def creep_row(r):
     ruptured = collapsed or r.about["end"] == "lost equilibrium"
     stress = float(np.median(np.abs(r.stress[r.stress != 0])))
     row = dict.fromkeys(COLUMNS, np.nan)
-    row.update(axial_stress_kPa=stress, broken_share=len(r.breakages["time_s"]) / r.n_bonds,
+    row.update(axial_stress_kPa=stress, broken_share=len(r.breakages["time_s"]) / max(1, r.n_bonds),
                rupture_time_s=r.end if ruptured else np.nan)
     k = flow_time(rate)
     row["rise_follows"] = k is not None

@@ -51,9 +51,12 @@ std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& 
   return draw("plot.py", arguments);
 }
 
-std::vector<std::string> make_study_summary(const std::filesystem::path& folder)
+std::vector<std::string> make_study_summary(const std::filesystem::path& folder, bool figures)
 {
-  return draw("campaign.py", {folder.string()});
+  std::vector<std::string> arguments{folder.string()};
+  if (!figures)
+    arguments.push_back("--tables");
+  return draw("campaign.py", arguments);
 }
 
 std::optional<std::string> make_report(const std::vector<std::filesystem::path>& results,

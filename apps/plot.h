@@ -12,9 +12,9 @@ namespace apps {
 std::vector<std::string> make_figures(const std::vector<std::filesystem::path>& results,
                                       const std::filesystem::path& folder);
 
-/// Makes the tables, the statistics and the figures of a study from the runs in its folder.
-/// \return the figures made, or nothing and a warning
-std::vector<std::string> make_study_summary(const std::filesystem::path& folder);
+/// Makes the tables, the statistics and, if wanted, the figures of a study from the runs in its
+/// folder. \return the figures made; a warning if Python is missing
+std::vector<std::string> make_study_summary(const std::filesystem::path& folder, bool figures);
 
 /// Makes one HTML page of result folders, or of folders that hold such. \return its path, or
 /// nothing and a warning

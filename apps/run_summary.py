@@ -67,7 +67,7 @@ def numbers(r):
                    minimum_creep_rate_per_s=creep["minimum_creep_rate_per_s"])
         if np.isfinite(row["rupture_time_s"]):
             row["most_breakages_at_end"] = most_breakages_at_end(r)
-    elif r.stress is not None and r.strain is not None:
+    elif r.stress is not None and r.strain is not None and not r.follows_stress:
         k, falls = peak(r.stress)
         row.update(largest_stress_kPa=abs(r.stress[k]), stress_falls=float(falls),
                    strain_at_largest_stress_percent=r.strain[k])

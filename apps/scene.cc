@@ -315,14 +315,15 @@ const std::vector<std::string> bond_estimates{"Bonds/Maxwell stiffness", "Bonds/
                                               "Bonds/Kelvin stiffness", "Bonds/Kelvin viscosity",
                                               "Bonds/Radius multiplier"};
 
-/// Those of the keys that have not been set, if the scene stands on estimates.
-std::string unset(const LoadedScene& scene, const std::vector<std::string>& keys)
+/// Those of the keys that have their estimated value, typed or not, if the scene stands on
+/// estimates: a run of a study has all keys typed.
+std::string estimated(const LoadedScene& scene, const std::vector<std::string>& keys)
 {
   std::string list;
   if (scene.scene->preset != BondPreset::estimate)
     return list;
   for (const std::string& key : keys)
-    if (!scene.schema->set_keys().contains(key))
+    if (scene.schema->is_default(key))
       list += (list.empty() ? "" : ", ") + key.substr(key.find('/') + 1);
   return list;
 }
@@ -331,7 +332,7 @@ std::string unset(const LoadedScene& scene, const std::vector<std::string>& keys
 
 std::string estimated_bond_keys(const LoadedScene& scene)
 {
-  return unset(scene, bond_estimates);
+  return estimated(scene, bond_estimates);
 }
 
 std::string estimated_keys(const LoadedScene& scene)
@@ -340,7 +341,7 @@ std::string estimated_keys(const LoadedScene& scene)
   if (scene.scene->strength.kind != StrengthKind::none)
     keys.insert(keys.end(), {"Strength/Nonpositive draws", "Strength/Shear to normal ratio",
                              "Strength/Rate window", "Strength/Rate floor"});
-  return unset(scene, keys);
+  return estimated(scene, keys);
 }
 
 LoadedScene load_scene_text(const std::string& text, const std::string& name,

@@ -142,13 +142,13 @@ void summarise(const LoadedScene& scene, const std::filesystem::path& folder,
   for (const StudyRun& run : runs)
     if (has_result(folder / run.name))
       results.push_back(folder / run.name);
+  const bool plots = scene.scene->output.plots;
   std::vector<std::string> figures;
-  if (scene.scene->output.plots && !results.empty()) {
-    if (runs.size() <= most_in_full)
-      figures = make_figures(results, folder);
-    for (std::string& figure : make_study_summary(folder))
+  if (plots && !results.empty() && runs.size() <= most_in_full)
+    figures = make_figures(results, folder);
+  if (!results.empty())
+    for (std::string& figure : make_study_summary(folder, plots))
       figures.push_back(std::move(figure));
-  }
   for (const std::string& figure : figures)
     fmt::print("figure {}\n", figure);
   fmt::print("{}: {} of {} runs finished, results in {}\n", scene.name, results.size(), runs.size(),

@@ -34,7 +34,8 @@ TEST(Study, RunsEachValueAsASceneOfItsOwn)
   EXPECT_TRUE(contains(study.output, "net: 3 of 3 runs finished, results in results/net\n"));
   const std::vector<std::string> found = folder.files("results/net");
   const std::set<std::string> files(found.begin(), found.end());
-  std::set<std::string> expected{"runs.csv", "study.scene"};
+  std::set<std::string> expected{"runs.csv",    "statistics.csv", "study.h5",
+                                 "study.scene", "summary.csv",    "variance.csv"};
   for (const std::string run : {"1-kPa", "run-300-kPa", "0.8-MPa"})
     for (const std::string& name :
          {run + ".scene", std::string("run.log"), std::string("result.h5"),

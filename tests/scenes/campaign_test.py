@@ -123,6 +123,12 @@ class Campaign(unittest.TestCase):
         self.assertEqual((self.folder / "single/history.csv").read_text(),
                          (self.study / "1.5-MPa_Weibull_2_1/history.csv").read_text())
 
+    def test_runs_know_which_values_are_estimates(self):
+        with h5py.File(self.study / "300-kPa_normal_1_1/result.h5") as file:
+            self.assertIn("Maxwell stiffness", str(file.attrs["estimated_values"]))
+        self.assertIn("stand for Maxwell stiffness",
+                      (self.study / "1.5-MPa_Weibull_2_1/run.log").read_text())
+
     def test_seeds_draw_the_same_numbers_for_all_stresses(self):
         def strengths(name):
             with h5py.File(self.study / name / "result.h5") as file:
