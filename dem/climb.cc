@@ -56,6 +56,15 @@ void set_memory(Links& links, std::size_t b, const Assembly& assembly,
   }
 }
 
+/// Without the contacts of pairs that have no bond, which were found where the bodies were at the
+/// start.
+Links bonds_only(Links links, std::size_t n_bonds)
+{
+  links.link.resize(n_bonds);
+  links.memory.resize(n_bonds * 6 * std::size_t(links.n_parts));
+  return links;
+}
+
 } // namespace
 
 QuasistaticState climb(const QuasistaticModel& model, const EventsModel& from,
@@ -109,8 +118,8 @@ QuasistaticState climb(const QuasistaticModel& model, const EventsModel& from,
                     : std::min(model.initial_distance[b], link.distance));
   }
   if (finite)
-    result.links =
-        find_contacts(std::move(result.links), assembly, model.bodies, result.centre, model.skin);
+    result.links = find_contacts(bonds_only(std::move(result.links), assembly.bonds.size()),
+                                 assembly, model.bodies, result.centre, model.skin);
   for (std::size_t k = 0; k < result.links.link.size(); ++k)
     result.path.back().energy.stored += stored_energy(result.links, k, assembly);
   result.path.back().energy.work = result.path.back().energy.stored;

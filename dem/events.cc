@@ -9,6 +9,9 @@ namespace dem {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Of a strain at the end of a segment against that at the start of the next.
+constexpr double rounding = 1e-12;
 /// Share of the energy in springs to ground from which on contacts do not hold a piece.
 constexpr double most_ground_share = 1e-8;
 /// Change of strain over which the force under constant true stress is taken as linear in time.
@@ -194,7 +197,7 @@ void EventsSolver::limit_segment(EventsState& state) const
   }
   if (model_->loading.true_stress)
     state.segment_end = follow_area(std::get<ForceSegment>(segment), *model_, state.segment_end);
-  if (std::abs(strain(state.history, time)) >= model_->strain_limit)
+  if (std::abs(strain(state.history, time)) >= (1 - rounding) * model_->strain_limit)
     state.end = RunEnd::strain_limit;
   else if (const auto reached =
                first_strain(state.history, model_->strain_limit, time, state.segment_end))

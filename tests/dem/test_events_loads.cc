@@ -90,6 +90,28 @@ TEST(Events, PressedContactsOpenWhenTheLoadTurnsAtABreakpoint)
   }
 }
 
+TEST(Events, EndsAtAnyStrainLimitWhateverItsLastDigits)
+{
+  const Assembly assembly = event_runs::pair(laws::burgers_set("asphalt"), 1e9);
+  const Loading loading = step_load(Loading::Control::force, -10, 1000);
+  const EventsModel whole = make_events_model(assembly, loading, event_runs::constant_strength,
+                                              AfterBreakage::pressed, event_runs::never);
+  EventsSolver endless(whole);
+  const EventsState full = event_runs::run(endless);
+  const double first = std::abs(endless.response(full, 0).strain);
+  const double last = std::abs(endless.response(full, 1000).strain);
+  for (int k = 1; k < 400; ++k) {
+    const EventsModel model =
+        make_events_model(assembly, loading, event_runs::constant_strength, AfterBreakage::pressed,
+                          first + (last - first) * k / 400.0);
+    EventsSolver solver(model);
+    EventsState state = solver.start();
+    for (int n = 0; n < 50 && state.end == RunEnd::running; ++n)
+      state = solver.step(std::move(state));
+    ASSERT_EQ(state.end, RunEnd::strain_limit) << k;
+  }
+}
+
 TEST(Events, EndsAtTheStrainLimit)
 {
   const Assembly assembly = pair(laws::burgers_set("asphalt"), 1e9);

@@ -103,6 +103,32 @@ class SmallScenes(unittest.TestCase):
             self.close(b["mean_displacement_mm"], a["mean_displacement_mm"], 1e-14)
         self.assertLess(abs(full[-1]["mean_displacement_mm"] - 299.1), 0.05)
 
+    def test_auto_goes_over_to_finite_motion_without_a_jump(self):
+        folder = Path(tempfile.mkdtemp())
+        (folder / "creep.scene").write_text("""
+subsection Specimen
+  set Diameter = 24.4 mm
+  set Height = 48.8 mm
+  set Particles = 400
+  set Solid fraction = 0.66
+end
+subsection Output
+  set ParaView = false
+end
+""")
+        ends = {}
+        for solver in "events", "auto", "quasistatic":
+            result = folder_of(folder / "creep.scene", f"Solver = {solver}")
+            ends[solver] = numbers(result / "history.csv")[-1]["axial_strain_percent"]
+            if solver == "auto":
+                energy = numbers(result / "energy.csv")
+                self.assertGreater(energy[0]["time_s"], 100)  # from the change on
+                self.assertLess(abs(energy[-1]["gap_J"]), 1e-3 * energy[-1]["work_J"])
+                times = [row["time_s"] for row in numbers(result / "breakages.csv")]
+                change = min(t for t in times if t >= energy[0]["time_s"] * (1 - 1e-3))
+                self.assertLess(sum(abs(t - change) < 1e-6 for t in times), 5)
+        self.assertTrue(ends["quasistatic"] < ends["auto"] < ends["events"], ends)
+
 
 if __name__ == "__main__":
     unittest.main()
