@@ -108,7 +108,7 @@ def points_by_group(sheet, panel, groups, column, all_runs):
             middle, low, high = statistics.median(times), *statistics.median_interval(times)[:2]
             if np.isfinite(middle):
                 axes.plot([place - 0.38, place + 0.38], [middle] * 2, color="black", lw=1.2)
-            if np.isfinite(high) and len(times) > 4:
+            if np.isfinite(high) and len(times) > 5:
                 axes.fill_between([place - 0.38, place + 0.38], low, high, color="0.5", alpha=0.15,
                                   lw=0)
     for k, law in enumerate(laws if len(laws) > 1 else []):
@@ -147,8 +147,8 @@ def rupture_times(folder, key, groups):
     sheet.label(1, "Time [s]", "Share of runs that have ruptured", "x")
     sheet.panels[1].set_ylim(0, 1.02)
     sheet.save(folder / "rupture_times.png", None,
-               "Line and grey: median and its 95 % interval, free of assumptions about the "
-               "distribution.")
+               "Line: median. Grey, for six runs or more: its interval of at least 95 %, free of assumptions "
+               "about the distribution.")
 
 
 def stress_strain(folder, key, groups):

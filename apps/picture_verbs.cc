@@ -2,6 +2,7 @@
 #include "apps/plot.h"
 #include "apps/quantity.h"
 #include "apps/run.h"
+#include "apps/study.h"
 #include "apps/verbs.h"
 
 #include <fmt/format.h>
@@ -49,7 +50,13 @@ int plot_verb(const std::vector<std::string>& results, const std::string& output
   if (output.empty())
     target = std::filesystem::is_directory(results[0]) ? results[0] : folders[0].string();
   make_folder(target);
-  const std::vector<std::string> figures = make_figures(folders, target);
+  const bool study = results.size() == 1 && std::filesystem::exists(target / "runs.csv");
+  std::vector<std::string> figures;
+  if (!study || folders.size() <= most_in_full)
+    figures = make_figures(folders, target);
+  if (study)
+    for (std::string& figure : make_study_summary(target, true))
+      figures.push_back(std::move(figure));
   for (const std::string& figure : figures)
     fmt::print("{}\n", figure);
   return figures.empty() ? exit_failure : exit_ok;

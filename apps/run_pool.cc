@@ -60,6 +60,8 @@ void RunPool::finish(std::size_t k)
 
 void RunPool::tell()
 {
+  if (active_.empty())
+    return;
   double done = double(exit_codes_.size());
   std::string states;
   for (const Active& each : active_) {

@@ -21,9 +21,6 @@ namespace apps {
 
 namespace {
 
-/// Up to so many runs each is told of and drawn in full; of more, the study as a whole is.
-constexpr std::size_t most_in_full = 8;
-
 bool has_result(const std::filesystem::path& folder)
 {
   try {

@@ -8,6 +8,9 @@
 
 namespace apps {
 
+/// Up to so many runs each is told of and drawn in full; of more, the study as a whole is.
+constexpr std::size_t most_in_full = 8;
+
 /// The runs of a scene with a section Study; empty if it describes a single run.
 std::vector<StudyRun> study_runs(const Scene& scene);
 

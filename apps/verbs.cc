@@ -28,6 +28,11 @@ std::filesystem::path result_file(const std::string& name)
   const std::filesystem::path path = existing(name, "file or folder");
   if (!std::filesystem::is_directory(path))
     return path;
+  if (std::filesystem::exists(path / "runs.csv"))
+    throw std::invalid_argument(fmt::format("{}: a study of several runs: name one of its folders; "
+                                            "of all of them there are summary.csv and "
+                                            "statistics.csv, and 'mastic report' makes a page",
+                                            name));
   if (!std::filesystem::exists(path / "result.h5"))
     throw std::invalid_argument(fmt::format("{}: there is no result.h5 in it", name));
   return path / "result.h5";

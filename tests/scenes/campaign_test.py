@@ -163,6 +163,14 @@ class Campaign(unittest.TestCase):
             known = np.isfinite(high) & np.isfinite(middle)
             self.assertTrue(np.all(low[known] <= middle[known]) and np.all(middle <= high))
 
+    def test_is_drawn_again_as_a_study(self):
+        before = (self.study / "summary.csv").read_text()
+        said = mastic(self.folder, "plot", "results/small")
+        self.assertIn("strain_time_band.png", said)
+        self.assertNotIn("strain_time.png", said)
+        self.assertEqual((self.study / "summary.csv").read_text(), before)
+        self.assertIn("a study of several runs", mastic(self.folder, "info", "results/small", code=2))
+
     def test_interrupted_and_resumed_it_ends_with_the_same_tables(self):
         folder = Path(tempfile.mkdtemp())
         (folder / "small.scene").write_text(STUDY)
