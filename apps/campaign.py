@@ -21,17 +21,15 @@ import numpy as np
 import campaign_figures
 import run_summary
 import statistics_of_runs as statistics
-from results import COLOURS
+from results import COLOURS, DISPLACEMENT
 from sheet import STYLE
 
 SEEDS = ("Specimen/Seed", "Strength/Seed")
 NAMES = {"Specimen/Seed": "packing", "Strength/Seed": "strength seed",
          "Strength/Distribution": "strength law"}
-RESPONSES = {  # column of the summary -> how it is called
-    "strain_at_common_time_percent": "strain at the common time",
-    "flow_time_s": "flow time", "rupture_time_s": "rupture time",
-    "minimum_creep_rate_per_s": "minimum creep rate", "largest_stress_kPa": "largest stress",
-    "strain_at_largest_stress_percent": "strain at the largest stress"}
+RESPONSES = ("strain_at_common_time_percent", "displacement_at_common_time_mm", "flow_time_s",
+             "rupture_time_s", "minimum_creep_rate_per_s", "largest_stress_kPa",
+             "strain_at_largest_stress_percent")  # what statistics are made of
 
 
 class Group:
@@ -40,15 +38,18 @@ class Group:
     def __init__(self, label, runs, colour):
         self.label, self.runs, self.colour = label, runs, colour
         self.done = [run for run in runs if run.result]
-        self.creeps = all(run.result.creeps for run in self.done)
+        self.can_rupture = bool(self.done) and all(run.can_rupture for run in self.done)
+        self.creeps = bool(self.done) and all(run.result.creeps for run in self.done)
         self.common_time = common_time(self.done)
-        for run in self.done:
-            run.numbers["strain_at_common_time_percent"] = at(run, self.common_time)
+        for run in self.done if self.creeps and self.common_time > 0 else ():
+            column = ("displacement_at_common_time_mm" if run.result.kind is DISPLACEMENT
+                      else "strain_at_common_time_percent")
+            run.numbers[column] = at(run, self.common_time)
 
     def values(self, column):
-        """Finite values of a column, and of which runs."""
-        pairs = [(run.numbers.get(column, np.nan), run) for run in self.done]
-        kept = [(value, run) for value, run in pairs if np.isfinite(value)]
+        """Amounts of a column, without zeros and what is not known, and of which runs."""
+        pairs = [(abs(run.numbers.get(column, np.nan)), run) for run in self.done]
+        kept = [(value, run) for value, run in pairs if np.isfinite(value) and value > 0]
         return np.array([value for value, _ in kept]), [run for _, run in kept]
 
     def rupture_times(self):
@@ -76,7 +77,7 @@ def grouped(runs):
     labels = list(dict.fromkeys(run.levels.get(key, "all runs") for run in runs))
     groups = [Group(label, [run for run in runs if run.levels.get(key, "all runs") == label],
                     COLOURS[k % len(COLOURS)]) for k, label in enumerate(labels)]
-    return key, [group for group in groups if group.done]
+    return key, groups
 
 
 def factors(runs, group_key):
@@ -85,39 +86,40 @@ def factors(runs, group_key):
             for key in runs[0].levels if key != group_key}
 
 
-def group_statistics(group):
-    """Rows (quantity, number of values, median, low, high, level, mean, relative spread)."""
-    rows = []
-    if group.creeps and any(run.ruptured for run in group.done):
-        times = group.rupture_times()
-        mean, spread = statistics.log_spread(times[np.isfinite(times)])
-        rows.append(("rupture_time_s", len(times), statistics.median(times),
-                     *statistics.median_interval(times), mean, spread))
-    for column in RESPONSES:
-        values, _ = group.values(column)
-        if len(values) and column != "rupture_time_s" and np.all(values > 0):
-            mean, spread = statistics.log_spread(values)
-            rows.append((column, len(values), statistics.median(values),
-                         *statistics.median_interval(values), mean, spread))
-    return rows
+def statistics_row(label, column, values):
+    """Label, quantity, number of runs, median, its interval and level, mean and scatter, of how many.
+
+    Infinite values are runs that did not show it; they count in the median, not in the mean. One run
+    has no interval.
+    """
+    finite = values[np.isfinite(values) & (values > 0)]
+    mean, spread = statistics.log_spread(finite)
+    low, high, level = statistics.median_interval(values) if len(values) > 1 else (np.nan,) * 3
+    return [label, column, len(values), *(run_summary.cell(x, ".8g") for x in (
+        statistics.median(values), low, high, level, mean, spread)), len(finite)]
 
 
 def statistics_text(key, groups):
     """Statistics of the groups as CSV."""
-    lines = [f'"{key or "group"}",quantity,runs,median,interval_low,interval_high,interval_level,'
-             "geometric_mean,standard_deviation_of_ln"]
+    rows = [[key or "group", "quantity", "runs", "median", "interval_low", "interval_high",
+             "interval_level", "geometric_mean", "standard_deviation_of_ln", "runs_of_mean"]]
     for group in groups:
-        done, n = len(group.done), len(group.runs)
-        ruptures = sum(run.ruptured for run in group.done)
-        if group.creeps:
+        done = len(group.done)
+        if done < len(group.runs):
+            rows.append([group.label, "failed", len(group.runs) - done] + [""] * 7)
+        if group.can_rupture:
+            times = group.rupture_times()
+            ruptures = int(np.sum(np.isfinite(times)))
             low, high = statistics.proportion_interval(ruptures, done)
-            lines.append(f'"{group.label}",share_ruptured,{done},{ruptures / done:.6g},{low:.6g},'
-                         f"{high:.6g},{statistics.LEVEL},,")
-        lines += [f'"{group.label}",{row[0]},' + ",".join(
-            "" if np.isnan(x) else f"{x:.8g}" for x in row[1:]) for row in group_statistics(group)]
-        if done < n:
-            lines.append(f'"{group.label}",failed,{n - done},,,,,,')
-    return "\n".join(lines) + "\n"
+            rows.append([group.label, "share_ruptured", done, *(run_summary.cell(x, ".6g") for x in (
+                ruptures / done, low, high, statistics.LEVEL)), "", "", done])
+            if ruptures:
+                rows.append(statistics_row(group.label, "rupture_time_s", times))
+        for column in RESPONSES:
+            values, _ = group.values(column)
+            if len(values) and column != "rupture_time_s":
+                rows.append(statistics_row(group.label, column, values))
+    return run_summary.csv_text(rows)
 
 
 def variance_rows(key, groups):
@@ -127,35 +129,39 @@ def variance_rows(key, groups):
         every = []
         for group in groups:
             values, runs = group.values(column)
-            if len(values) and np.all(values > 0):
-                every += list(zip(values, runs, [group.label] * len(values)))
-            if len(values) > 2 and np.all(values > 0) and np.ptp(values) > 0:
+            every += list(zip(values, runs, [group.label] * len(values)))
+            if len(values) > 2:
                 rows += [(group.label, column, len(values), *row) for row in
                          statistics.variance_table(np.log(values), factors(runs, key))]
-        if len(groups) > 1 and len(every) > len(groups) + 1:
+        if len({label for _, _, label in every}) > 1 and len(every) > 3:
             values, runs, labels = zip(*every)
             both = {NAMES.get(key, key.split("/")[-1]): labels, **factors(runs, key)}
-            if np.ptp(values) > 0:
-                rows += [("all", column, len(values), *row)
-                         for row in statistics.variance_table(np.log(values), both)]
+            rows += [("all", column, len(values), *row)
+                     for row in statistics.variance_table(np.log(values), both)]
     return rows
 
 
 def variance_text(key, rows):
-    lines = [f'"{key or "group"}",quantity,runs,source,sum_of_squares_of_ln,degrees_of_freedom,F,p']
-    for label, column, n, source, squares, degrees, f, p in rows:
-        tests = ",".join("" if np.isnan(x) else f"{x:.6g}" for x in (f, p))
-        lines.append(f'"{label}",{column},{n},"{source}",{squares:.6g},{degrees},{tests}')
-    return "\n".join(lines) + "\n"
+    """The analyses of variance as CSV."""
+    return run_summary.csv_text(
+        [[key or "group", "quantity", "runs", "source", "sum_of_squares_of_ln",
+          "degrees_of_freedom", "F", "p"]]
+        + [[label, column, n, source, format(squares, ".6g"), degrees,
+            *(run_summary.cell(x, ".6g") for x in (f, p))]
+           for label, column, n, source, squares, degrees, f, p in rows])
 
 
 def bands(groups):
-    """Common times and the strain of each run, median and band, for each group."""
+    """Common times and the strain of each run, median and band, for each group; in amounts."""
     found = {}
     for group in groups:
-        curves = [(*run.result.curve(), run.ruptured) for run in group.done]
-        first = min(run.result.first_time for run in group.done)
-        times = np.r_[0, np.geomspace(first, max(run.result.end for run in group.done), 300)]
+        runs = [run for run in group.done if run.result.end > 0]
+        if not runs:
+            continue
+        curves = [(run.result.curve()[0], np.abs(run.result.curve()[1]), run.ruptured)
+                  for run in runs]
+        first = min(run.result.first_time for run in runs)
+        times = np.r_[0, np.geomspace(first, max(run.result.end for run in runs), 300)]
         found[group.label] = times, statistics.band(statistics.curves_at(times, curves))
     return found
 
@@ -170,9 +176,10 @@ def write_results(folder, key, groups, found, tables):
         for name, text in tables.items():
             file[f"tables/{name}"] = text
         file["scene"] = (folder / "study.scene").read_text(encoding="utf-8")
-        for label, (times, (middle, low, high)) in found.items():
+        for k, (label, (times, (middle, low, high))) in enumerate(found.items()):
             kind = groups[0].done[0].result.kind
-            place = file.create_group("bands/" + label.replace("/", "-"))
+            place = file.create_group(f"bands/{k + 1}")
+            place.attrs["group"] = label
             place["time_s"] = times
             for name, values in (("median", middle), ("low", low), ("high", high)):
                 place[f"{kind.column}_{name}"] = values
@@ -187,15 +194,18 @@ def summarise(folder, with_figures):
         raise ValueError(f"{folder}: no run of the study has a result")
     key, groups = grouped(runs)
     found = bands(groups)
+    done = [group for group in groups if any(run.result.end > 0 for run in group.done)]
     tables = {"summary.csv": run_summary.summary_text(runs),
               "statistics.csv": statistics_text(key, groups),
               "variance.csv": variance_text(key, variance_rows(key, groups))}
     for name, text in tables.items():
         replaced(folder / name, text)
-    write_results(folder, key, groups, found, tables)
-    if with_figures and any(len(group.done) > 1 for group in groups):
+    write_results(folder, key, [group for group in groups if group.done], found, tables)
+    if with_figures and any(len(group.done) > 1 for group in done):
+        for group in done:
+            group.done = [run for run in group.done if run.result.end > 0]
         matplotlib.rcParams.update(STYLE)
-        campaign_figures.draw(folder, key, groups, found)
+        campaign_figures.draw(folder, key, done, found)
 
 
 def main():

@@ -25,21 +25,24 @@ def strain_time(folder, key, groups, found):
         number = len(group.done)
         ruptured = sum(run.ruptured for run in group.done)
         text = f"{group.label}: {number} runs" + (
-            f", {ruptured} ruptured" if group.creeps else "")
+            f", {ruptured} ruptured" if group.can_rupture else "")
         for axes in sheet.panels:
             for run in group.done:
-                axes.plot(*run.result.curve(), color=group.colour, lw=0.6, alpha=0.5)
+                axes.plot(run.result.curve()[0], np.abs(run.result.curve()[1]), color=group.colour,
+                          lw=0.6, alpha=0.5)
             shown = np.isfinite(middle)
             axes.plot(times[shown], middle[shown], color=group.colour, lw=2.4, label=text)
             both = np.isfinite(low) & np.isfinite(high)
             axes.fill_between(times[both], low[both], high[both], color=group.colour, alpha=0.2, lw=0)
     ends = [r.end for r in results_of(groups)]
-    sheet.label(0, "Time [s]", kind.axis)
-    sheet.label(1, "Time [s]", kind.axis, "x")
     sheet.panels[1].set_xlim(min(r.first_time for r in results_of(groups)), 1.3 * max(ends))
-    tops = [np.max(before_collapse(*r.curve())[1]) for r in results_of(groups)]
+    tops = [np.max(np.abs(before_collapse(*r.curve())[1])) for r in results_of(groups)]
+    axis = kind.axis if min(np.min(r.curve()[1]) for r in results_of(groups)) >= 0 else (
+        f"Amount of the {kind.axis[0].lower()}{kind.axis[1:]}")
     for axes in sheet.panels:
         axes.set_ylim(0, 1.3 * max(tops))
+    sheet.label(0, "Time [s]", axis)
+    sheet.label(1, "Time [s]", axis, "x")
     sheet.save(folder / "strain_time_band.png", varied(key), BAND)
 
 
@@ -208,6 +211,6 @@ def draw(folder, key, groups, found):
     if any(run.ruptured for group in groups for run in group.done):
         rupture_times(folder, key, groups)
     stressed = [g for g in groups if all(run.result.stress is not None and not run.result.creeps
-                                         for run in g.done)]
+                                         and not run.result.follows_stress for run in g.done)]
     if stressed:
         stress_strain(folder, key, stressed)

@@ -68,6 +68,15 @@ bool begun(const fs::path& folder)
   return is_study(folder) || has_checkpoint(folder) || fs::exists(folder / "result.h5");
 }
 
+/// Takes away what would make a scene count as begun.
+void forget(const fs::path& folder)
+{
+  std::error_code ignored;
+  fs::remove(folder / study_file, ignored);
+  fs::remove(folder / "result.h5", ignored);
+  remove_checkpoints(folder);
+}
+
 } // namespace
 
 std::vector<fs::path> collected_scenes(const LoadedScene& scene)
@@ -119,8 +128,14 @@ int run_collection(const StoredStudy& stored, const RunOptions& options, bool re
   store_study(collection, folder, stored.overrides);
   fmt::print("{}: {} scenes, one after the other\n", collection.name, files.size());
   int worst = exit_ok;
+  std::vector<fs::path> own_folders;
   for (const fs::path& file : files) {
-    const fs::path own = folder / folder_name(file, stored.overrides);
+    own_folders.push_back(folder / folder_name(file, stored.overrides));
+    if (!resume)
+      forget(own_folders.back());
+  }
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const fs::path &file = files[k], &own = own_folders[k];
     const int code = code_of(file, [&] {
       if (resume && begun(own))
         return go_on(own, options);
@@ -136,7 +151,7 @@ int run_collection(const StoredStudy& stored, const RunOptions& options, bool re
     }
   }
   if (collection.scene->output.plots)
-    if (const auto report = make_report({folder}, folder / "report.html"))
+    if (const auto report = make_report(own_folders, folder / "report.html"))
       fmt::print("report {}\n", *report);
   fmt::print("{}: results in {}\n", collection.name, folder.string());
   return worst;

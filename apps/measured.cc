@@ -37,7 +37,7 @@ MeasuredCurve measured_curve(const LoadedScene& scene)
   MeasuredCurve curve;
   if (scene.scene->output.measured.empty())
     return curve;
-  constexpr double same = 0.01;
+  constexpr double same = 0.01, same_temperature = 0.5; // [-], [K]
   const std::filesystem::path file = scene.folder / scene.scene->output.measured;
   const FitData data = read_fit_data(file);
   if (data.measurements.quantity != fem::Quantity::creep_compliance)
@@ -46,9 +46,13 @@ MeasuredCurve measured_curve(const LoadedScene& scene)
         "'creep compliance'",
         file.string()));
   const double stress = scene.scene->load.stress;
+  const double temperature = scene.scene->temperature.temperature;
   for (std::size_t k = 0; k < data.measurements.points.size(); ++k) {
     if (!data.stresses.empty() &&
         std::abs(data.stresses[k] - std::abs(stress)) > same * std::abs(stress))
+      continue;
+    if (data.has_temperature &&
+        std::abs(data.measurements.points[k].temperature - temperature) > same_temperature)
       continue;
     curve.time.push_back(data.measurements.points[k].at);
     curve.strain.push_back(
@@ -56,9 +60,10 @@ MeasuredCurve measured_curve(const LoadedScene& scene)
         (data.stresses.empty() ? stress : std::copysign(data.stresses[k], stress)));
   }
   if (curve.time.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: no row is at {:g} kPa, the axial stress of the scene", file.string(),
-                    1e-3 * std::abs(stress)));
+    throw std::invalid_argument(fmt::format(
+        "{}: no row is at {:g} kPa and {:g} degC, the axial stress and the temperature of "
+        "the scene",
+        file.string(), 1e-3 * std::abs(stress), temperature - 273.15));
   return curve;
 }
 

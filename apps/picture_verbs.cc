@@ -24,6 +24,9 @@ std::vector<std::filesystem::path> result_folders(const std::string& name)
     folders.push_back(absolute_folder(path.parent_path()));
   else if (std::filesystem::exists(path / "result.h5"))
     folders.push_back(path);
+  else if (std::filesystem::exists(path / "runs.csv"))
+    for (const auto& [run, code] : listed_runs(path))
+      folders.push_back(path / run);
   else
     for (const auto& inside : std::filesystem::directory_iterator(path))
       folders.push_back(inside.path());

@@ -19,6 +19,7 @@ from plot import replaced  # says what is missing, should it be
 import numpy as np
 import statements
 from results import Result, bodies, joined, seeds
+from run_summary import NOT_KEYS, read_runs
 
 STYLE = (Path(__file__).resolve().parent / "report.css").read_text(encoding="utf-8")
 CAPTIONS = {
@@ -40,13 +41,15 @@ QUANTITIES = {
     "share_ruptured": ("share of runs that ruptured", 1, ""),
     "rupture_time_s": ("rupture time", 1, "s"), "flow_time_s": ("flow time", 1, "s"),
     "strain_at_common_time_percent": ("strain at the common time", 1, "%"),
+    "displacement_at_common_time_mm": ("displacement at the common time", 1, "mm"),
     "minimum_creep_rate_per_s": ("minimum creep rate", 1, "1/s"),
     "largest_stress_kPa": ("largest stress", 1e-3, "MPa"),
     "strain_at_largest_stress_percent": ("strain at the largest stress", 1, "%")}
 
 
 def text(value):
-    return html.escape(str(value), quote=False)
+    """A text within HTML, in attributes too."""
+    return html.escape(str(value))
 
 
 def number(value, digits=3):
@@ -89,7 +92,7 @@ def statistics_table(folder):
     rows = []
     for row in rows_of(folder / "statistics.csv"):
         if row["quantity"] not in QUANTITIES:
-            continue
+            continue  # such as how many failed: told elsewhere
         name, factor, unit = QUANTITIES[row["quantity"]]
         value, low, high = (number(float(row[c]) * factor) if row[c] else "\u2013"
                             for c in ("median", "interval_low", "interval_high"))
@@ -97,12 +100,15 @@ def statistics_table(folder):
         level = f"{100 * float(row['interval_level']):.3g} %" if row["interval_level"] else ""
         label = next(iter(row.values()))
         rows.append((text(label), f"{name} [{unit}]" if unit else name, row["runs"], value,
-                     f"{low} to {high}", level, f"{100 * float(spread):.2g} %" if spread else "\u2013"))
+                     f"{low} to {high}" if level else "\u2013", level or "\u2013",
+                     f"{100 * float(spread):.2g} %" if spread else "\u2013"))
     return table(("group", "quantity", "runs", "median", "interval", "level", "scatter"), rows,
                  "numbers") + (
         "<p class='note'>Median over the runs with an interval that holds for any distribution "
-        "(shares: Clopper and Pearson). Scatter: standard deviation of the logarithm. A rupture that "
-        "did not come counts as later than all others (\u2018none\u2019).</p>")
+        "(shares: Clopper and Pearson). Scatter: standard deviation of the logarithm. Rupture: loss of "
+        "equilibrium, or the strain limit; one that did not come counts as later than all others "
+        "(\u2018none\u2019), and is not in the scatter. Flow times and least rates are those of the runs "
+        "that show one.</p>")
 
 
 def variance_table(folder):
@@ -124,10 +130,15 @@ def variance_table(folder):
         "others. Bold: p below 0.05. With so many tests one in twenty is below 0.05 by chance.</p>")
 
 
+def varied_keys(folder):
+    """What the runs of a study differ in."""
+    return [key for key in rows_of(folder / "runs.csv")[0] if key not in NOT_KEYS]
+
+
 def runs_table(folder):
     """All runs, folded."""
     rows = rows_of(folder / "summary.csv")
-    keys = [key for key in rows[0] if "/" in key]
+    keys = varied_keys(folder)
     columns = [c for c in ("rupture_time_s", "flow_time_s", "strain_at_end_percent",
                            "largest_stress_kPa", "broken_bonds", "wall_time_s")
                if any(row[c] for row in rows)]
@@ -140,11 +151,13 @@ def runs_table(folder):
 
 def failures(folder):
     """Runs that have no result, with the reason."""
-    bad = [row for row in rows_of(folder / "runs.csv") if row["exit_code"] not in ("0", "5")]
-    if not bad:
-        return ""
-    return "<h3>Runs that failed</h3>" + table(("run", "exit code", "why"), [
-        (text(row["run"]), row["exit_code"], text(row["statement"])) for row in bad])
+    rows = [(int(row["exit_code"]), (text(row["run"]), row["exit_code"], text(row["statement"])))
+            for row in rows_of(folder / "runs.csv")]
+    head = ("run", "exit code", "why")
+    failed = [row for code, row in rows if code not in (-1, 0, 1, 4, 5)]
+    open_ones = [row for code, row in rows if code in (-1, 4)]
+    return ("<h3>Runs that failed</h3>" + table(head, failed) if failed else "") + (
+        "<h3>Runs that have not finished</h3>" + table(head, open_ones) if open_ones else "")
 
 
 def scene_of(file):
@@ -154,6 +167,8 @@ def scene_of(file):
 
 def origin(results):
     """Where numbers come from."""
+    if not results:
+        return ""
     about = [r.about for r in results]
     estimates = dict.fromkeys(n for a in about if a["estimated_values"] != "none"
                               for n in a["estimated_values"].split(", "))
@@ -170,20 +185,18 @@ def origin(results):
 
 def study_section(folder):
     """A study: what was varied, statistics, figures, runs."""
-    names = [row["run"] for row in rows_of(folder / "runs.csv")]
-    results = [Result(folder / name) for name in names if (folder / name / "result.h5").is_file()]
+    runs = read_runs(folder)
+    results = [run.result for run in runs if run.result]
     title = joined(r.about["title"] for r in results) or folder.name
-    keys = [key for key in rows_of(folder / "runs.csv")[0] if "/" in key]
-    parts = [f'<section id="{text(folder.name)}"><h2>{text(title)}</h2>',
-             f"<p>{len(names)} runs, {len(results)} with a result. Varied: "
-             f"{text(', '.join(keys))}.</p>", failures(folder)]
+    parts = [f"<h2>{text(title)}</h2>",
+             f"<p>{len(runs)} runs, {len(results)} with a result. Varied: "
+             f"{text(', '.join(varied_keys(folder)))}.</p>", failures(folder)]
     if (folder / "statistics.csv").is_file():
         parts += [figures(folder), "<h3>In numbers</h3>", statistics_table(folder),
                   variance_table(folder), runs_table(folder)]
     else:
         parts += [figures(folder)]
-    parts += ["<h3>Where it comes from</h3>", origin(results), scene_of(folder / "study.scene"),
-              "</section>"]
+    parts += ["<h3>Where it comes from</h3>", origin(results), scene_of(folder / "study.scene")]
     return "\n".join(parts)
 
 
@@ -198,21 +211,24 @@ def result_section(folder):
         facts.append(("broken bonds", f"{len(r.breakages['time_s'])} of {r.n_bonds}"))
     scene = (f"<details><summary>The scene, all keys</summary><pre>"
              f"{text(chr(10).join(f'{k} = {v}' for k, v in r.scene.items()))}</pre></details>")
-    return "\n".join([f'<section id="{text(folder.name)}"><h2>{text(r.about["title"] or folder.name)}'
-                      "</h2>", table(("", ""), [(text(a), text(b)) for a, b in facts], "origin"),
-                      figures(folder), "<h3>Where it comes from</h3>", origin([r]), scene,
-                      "</section>"])
+    told = table(("", ""), [(text(a), text(b)) for a, b in facts], "origin")
+    return "\n".join([f"<h2>{text(r.about['title'] or folder.name)}</h2>", told,
+                      figures(folder), "<h3>Where it comes from</h3>", origin([r]), scene])
 
 
 def statements_section(folders):
     """Statements of the replicated paper, met or not."""
-    rows = [row for folder in folders for row in statements.all_statements(folder)]
+    try:
+        rows = [row for folder in folders for row in statements.all_statements(folder)]
+    except Exception as problem:
+        return ('<section id="statements"><h2>Statements of the paper</h2><p>They cannot be judged: '
+                f"{text(' '.join(str(problem).split()))}</p></section>")
     if not rows:
         return ""
-    met = sum(row.met for row in rows)
+    met = sum(row.met is True for row in rows)
+    verdicts = {True: ("met", "met"), False: ("not", "not met"), None: ("open", "not tested")}
     body = [(text(row.statement), text(row.measured),
-             f'<span class="{"met" if row.met else "not"}">{"met" if row.met else "not met"}</span>')
-            for row in rows]
+             '<span class="{}">{}</span>'.format(*verdicts[row.met])) for row in rows]
     return ('<section id="statements"><h2>Statements of the paper</h2>'
             f"<p>{met} of {len(rows)} are met.</p>" + table(
                 ("statement", "measured", ""), body, "statements") +
@@ -229,13 +245,29 @@ def parts_of(folder):
     return [part for inner in sorted(folder.iterdir()) if inner.is_dir() for part in parts_of(inner)]
 
 
+def section(number, folder, make):
+    """A section of the page; what is wrong with one does not end the others."""
+    try:
+        inner = make(folder)
+    except Exception as problem:
+        inner = (f"<h2>{text(folder.name)}</h2><p>Nothing can be told of it: "
+                 f"{text(' '.join(str(problem).split()))}</p>")
+    return f'<section id="part-{number}">{inner}</section>'
+
+
 def page(folders):
     """The whole page as HTML."""
     parts = [part for folder in folders for part in parts_of(folder)]
+    names = [folder.name for folder, _ in parts]
+    names = [f"{folder.parent.name}/{folder.name}" if names.count(folder.name) > 1 else folder.name
+             for folder, _ in parts]
     if not parts:
         raise ValueError(f"{joined(map(str, folders))}: there are no results in it")
-    title = "Report: " + joined(folder.resolve().name for folder in folders)
-    links = "".join(f'<a href="#{text(f.name)}">{text(f.name)}</a> ' for f, _ in parts)
+    parents = {folder.resolve().parent for folder in folders}
+    together = len(folders) > 1 and len(parents) == 1
+    title = "Report: " + (parents.pop().name if together
+                          else joined(folder.resolve().name for folder in folders))
+    links = "".join(f'<a href="#part-{k + 1}">{text(name)}</a> ' for k, name in enumerate(names))
     now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     said = statements_section(folders)
     return "\n".join([
@@ -244,7 +276,8 @@ def page(folders):
         f"<title>{text(title)}</title><style>{STYLE}</style></head><body><main>",
         f"<h1>{text(title)}</h1><p class='note'>Written by Mastic, {now}. Compression is positive.</p>",
         f"<nav>{'<a href=#statements>statements</a> ' if said else ''}{links}</nav>", said,
-        *(make(folder) for folder, make in parts), "</main></body></html>"])
+        *(section(k + 1, folder, make) for k, (folder, make) in enumerate(parts)),
+        "</main></body></html>"])
 
 
 def main():

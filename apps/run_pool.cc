@@ -22,9 +22,9 @@ void RunPool::start(const StudyRun& run, const std::vector<std::string>& command
   active_.push_back({run, {start_child(command), "", 0, "", ""}});
 }
 
-void RunPool::count_as_finished(const StudyRun& run)
+void RunPool::count_as_finished(const StudyRun& run, int exit_code)
 {
-  exit_codes_[run.name] = exit_ok;
+  exit_codes_[run.name] = exit_code;
 }
 
 void RunPool::wait_for_room(std::size_t most)

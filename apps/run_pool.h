@@ -21,7 +21,7 @@ public:
   void start(const StudyRun& run, const std::vector<std::string>& command);
 
   /// Notes a run that need not be started.
-  void count_as_finished(const StudyRun& run);
+  void count_as_finished(const StudyRun& run, int exit_code);
 
   /// Waits until at most so many are going on; passes an interruption on to them.
   void wait_for_room(std::size_t most);

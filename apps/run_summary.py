@@ -1,16 +1,18 @@
 """One row of numbers for each run of a study."""
 import csv
+import io
 from pathlib import Path
 
 import damage
 import numpy as np
 from curves import peak
-from results import Result
+from results import DISPLACEMENT, Result
 
 EQUAL_TIMES = 20  # into which the time up to rupture is cut, to find when most bonds break
+NOT_KEYS = ("run", "exit_code", "statement")
 
-NUMBERS = ("end_time_s", "strain_at_end_percent", "broken_bonds", "bonds", "flow_time_s",
-           "minimum_creep_rate_per_s", "rupture_time_s", "most_breakages_at_end",
+NUMBERS = ("end_time_s", "strain_at_end_percent", "displacement_at_end_mm", "broken_bonds", "bonds",
+           "flow_time_s", "minimum_creep_rate_per_s", "rupture_time_s", "most_breakages_at_end",
            "largest_stress_kPa", "strain_at_largest_stress_percent", "stress_falls", "wall_time_s")
 
 
@@ -20,15 +22,23 @@ class Run:
     def __init__(self, folder, row):
         self.name, self.statement = row["run"], row["statement"]
         self.exit_code = int(row["exit_code"])
-        self.levels = {key: value for key, value in row.items() if "/" in key}
+        self.levels = {key: value for key, value in row.items() if key not in NOT_KEYS}
         self.result = None
-        if self.exit_code in (0, 5):
-            self.result = Result(Path(folder) / self.name)
+        if self.exit_code in (0, 1, 5):  # 1: not as the scene expects
+            try:
+                self.result = Result(Path(folder) / self.name)
+            except ValueError as problem:
+                self.statement = str(problem)
         self.numbers = numbers(self.result) if self.result else dict.fromkeys(NUMBERS, np.nan)
 
     @property
     def ruptured(self):
         return bool(np.isfinite(self.numbers["rupture_time_s"]))
+
+    @property
+    def can_rupture(self):
+        """Whether it is a creep test of a specimen that may break."""
+        return self.result is not None and self.result.test == "creep" and self.result.of_particles
 
 
 def read_runs(folder):
@@ -37,10 +47,16 @@ def read_runs(folder):
         return [Run(folder, row) for row in csv.DictReader(file)]
 
 
-def rupture_time(r):
-    """Time at which a creep test lost its equilibrium or came to its strain limit; else nan."""
-    ended = str(r.about["end"])
-    return r.end if r.creeps and ended in ("lost equilibrium", "strain limit") else np.nan
+def csv_text(rows):
+    """Rows of cells as CSV."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def cell(number, form=".10g"):
+    """A number as a cell; empty if it is not known."""
+    return "" if np.isnan(number) else format(number, form)
 
 
 def most_breakages_at_end(r):
@@ -51,22 +67,33 @@ def most_breakages_at_end(r):
     return float(counts.max() > 0 and np.argmax(counts) == EQUAL_TIMES - 1)
 
 
+def creep_numbers(r):
+    """Flow time, least rate and rupture of a creep test.
+
+    Rupture: the specimen lost its equilibrium or came to its strain limit.
+    """
+    row = {}
+    if r.of_particles and str(r.about["end"]) in ("lost equilibrium", "strain limit"):
+        row["rupture_time_s"] = r.end
+    if r.end > 0 and r.stress is not None:
+        creep = damage.creep_row(r)
+        row["minimum_creep_rate_per_s"] = creep["minimum_creep_rate_per_s"]
+        if creep["rise_follows"]:  # else the rate fell until the end, or until the collapse
+            row["flow_time_s"] = creep["time_of_minimum_s"]
+        if "rupture_time_s" in row:
+            row["most_breakages_at_end"] = most_breakages_at_end(r)
+    return row
+
+
 def numbers(r):
     """What a run shows in numbers; nan for what it does not show."""
     row = dict.fromkeys(NUMBERS, np.nan)
-    value = r.history[r.kind.column]
     row.update(end_time_s=r.end, broken_bonds=len(r.breakages["time_s"]), bonds=r.n_bonds,
                wall_time_s=float(r.about["wall_time_s"]))
-    if r.strain is not None:
-        row["strain_at_end_percent"] = value[-1]
-    if r.test == "creep" and r.stress is not None and r.end > 0:
-        creep = damage.creep_row(r)
-        rises = creep["rise_follows"]  # else the rate fell until the end, or until the collapse
-        row.update(rupture_time_s=rupture_time(r),
-                   flow_time_s=creep["time_of_minimum_s"] if rises else np.nan,
-                   minimum_creep_rate_per_s=creep["minimum_creep_rate_per_s"])
-        if np.isfinite(row["rupture_time_s"]):
-            row["most_breakages_at_end"] = most_breakages_at_end(r)
+    end = "displacement_at_end_mm" if r.kind is DISPLACEMENT else "strain_at_end_percent"
+    row[end] = r.history[r.kind.column][-1]
+    if r.test == "creep":
+        row.update(creep_numbers(r))
     elif r.stress is not None and r.strain is not None and not r.follows_stress:
         k, falls = peak(r.stress)
         row.update(largest_stress_kPa=abs(r.stress[k]), stress_falls=float(falls),
@@ -77,11 +104,9 @@ def numbers(r):
 def summary_text(runs):
     """The table of all runs as CSV."""
     keys = list(runs[0].levels) if runs else []
-    quoted = [f'"{key}"' for key in keys]
-    lines = [",".join(["run", *quoted, "exit_code", "end", *NUMBERS])]
+    rows = [["run", *keys, "exit_code", "end", *NUMBERS]]
     for run in runs:
         end = str(run.result.about["end"]) if run.result else "failed"
-        cells = [run.name, *(f'"{run.levels[key]}"' for key in keys), str(run.exit_code), end]
-        cells += ["" if np.isnan(run.numbers[c]) else f"{run.numbers[c]:.10g}" for c in NUMBERS]
-        lines.append(",".join(cells))
-    return "\n".join(lines) + "\n"
+        rows.append([run.name, *(run.levels[key] for key in keys), run.exit_code, end,
+                     *(cell(run.numbers[c]) for c in NUMBERS)])
+    return csv_text(rows)

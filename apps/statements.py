@@ -3,8 +3,8 @@
 
 usage: statements.py FOLDER    (one that holds the studies creep, strain-rate and scaling)
 
-Prints a table in Markdown: statement, measured, met or not. Every run of the studies counts; what is
-not there is left out.
+Prints a table in Markdown: statement, measured, met or not. Every run that has a result counts; what
+is not there is left out; what a study is too short for is not tested.
 """
 import sys
 from collections import namedtuple
@@ -14,7 +14,7 @@ import numpy as np
 from curves import power_law
 from run_summary import read_runs
 
-Statement = namedtuple("Statement", "statement measured met")  # met: True, False
+Statement = namedtuple("Statement", "statement measured met")  # True, False, None: not tested
 
 STRESS, RATE = "Loading/Axial stress", "Loading/Strain rate"
 NEGLIGIBLE = 0.1  # relative standard deviation
@@ -22,27 +22,43 @@ SECONDS = 2000    # of the tests of the paper
 
 
 def studies(folder):
-    """Studies in a folder by the key that they vary first; a scaling study under 'scaling'."""
+    """Runs with a result of the studies in a folder: creep by stress, constant rates, scaling.
+
+    Only compression is looked at, and only the first study of each kind.
+    """
     found = {}
     for file in sorted(Path(folder).glob("**/runs.csv")):
-        runs = [run for run in read_runs(file.parent) if run.result]
+        runs = [run for run in read_runs(file.parent) if run.result and run.result.end > 0]
         if not runs:
             continue
-        keys = list(runs[0].levels)
-        if keys[0] in (STRESS, RATE):
-            found.setdefault(keys[0], runs)
-        elif "Loading/End time" in keys and any(key.endswith("viscosity") for key in keys):
+        first, *_ = runs[0].levels
+        tests = {run.result.test for run in runs}
+        pressed = all(run.result.stress is not None and np.median(run.result.stress) > 0
+                      for run in runs)
+        if first == STRESS and tests == {"creep"} and pressed:
+            found.setdefault(STRESS, runs)
+        elif first == RATE and tests == {"constant rate"} and pressed:
+            found.setdefault(RATE, runs)
+        elif tests == {"particle loads"} and "Loading/End time" in runs[0].levels and len(runs) == 2:
             found.setdefault("scaling", runs)
     return found
 
 
-def by_number(runs, key):
-    """Runs by the value of a key: {400.0: [...]} in kPa or 1/s."""
+def held_stress(run):
+    """Stress of a creep test as the result holds it [kPa]."""
+    return float(f"{np.median(run.result.stress[run.result.stress != 0]):.6g}")
+
+
+def strain_rate(run):
+    """Mean strain rate of a test at constant rate [1/s]."""
+    return float(f"{run.result.strain[-1] / 100 / run.result.end:.3g}")
+
+
+def by_number(runs, number):
+    """Runs by a number of theirs, rising: {400.0: [...]}."""
     groups = {}
     for run in runs:
-        number, _, given = run.levels[key].partition(" ")
-        value = float(number) * {"MPa": 1e3, "kPa": 1, "Pa": 1e-3}.get(given, 1)
-        groups.setdefault(value, []).append(run)
+        groups.setdefault(number(run), []).append(run)
     return dict(sorted(groups.items()))
 
 
@@ -51,8 +67,8 @@ def values(numbers, form):
 
 
 def relative_spread(numbers):
-    """Standard deviation over mean; 0 for a single number."""
-    return float(np.std(numbers, ddof=1) / np.mean(numbers)) if len(numbers) > 1 else 0.0
+    """Standard deviation over mean of two numbers or more."""
+    return float(np.std(numbers, ddof=1) / np.mean(numbers))
 
 
 def of_runs(count, runs):
@@ -79,28 +95,31 @@ def strain_ordering(creep):
     return Statement("strain grows with stress",
                      f"in {sum(good)} of {len(good)} series of stresses; at {time:.3g} s median "
                      f"{values(means, '.3g')} % under {values(creep, '.0f')} kPa",
-                     bool(good) and all(good))
+                     all(good) if good else None)
 
 
 def rupture(stress, runs):
-    times = np.array([run.numbers["rupture_time_s"] for run in runs if run.ruptured])
-    end = max(run.numbers["end_time_s"] for run in runs)
-    told = f"{of_runs(len(times), runs)} runs"
+    times = np.array([run.numbers["rupture_time_s"] for run in runs
+                      if run.ruptured and run.numbers["rupture_time_s"] <= SECONDS])
+    cut_short = any(run.numbers["end_time_s"] < SECONDS and not run.ruptured for run in runs)
+    told = f"rupture in {of_runs(len(times), runs)} runs" if len(times) else (
+        f"none in {len(runs)} run{'s' * (len(runs) > 1)} to "
+        f"{min(run.numbers['end_time_s'] for run in runs):.4g} s")
     if len(times) > 1:
         told += f", at {times.min():.3g} to {times.max():.3g} s"
     elif len(times):
         told += f", at {times[0]:.3g} s"
     if stress <= 400:
-        return Statement(f"{stress:.0f} kPa: no rupture within {SECONDS} s", f"rupture in {told}"
-                         if len(times) else f"none in {len(runs)} run{'s' * (len(runs) > 1)} "
-                         f"to {end:.4g} s", len(times) == 0)
-    return Statement(f"{stress:.0f} kPa: rupture", f"rupture in {told}", len(times) == len(runs))
+        return Statement(f"{stress:g} kPa: no rupture within {SECONDS} s", told,
+                         False if len(times) else None if cut_short else True)
+    return Statement(f"{stress:g} kPa: rupture", told,
+                     True if len(times) == len(runs) else None if cut_short else False)
 
 
 def few_breakages(stress, runs):
     """Few: the paper gives no number; here at most one bond in fifty after the load came on."""
     shares = [np.sum(run.result.breakages["time_s"] > 0) / run.numbers["bonds"] for run in runs]
-    return Statement(f"{stress:.0f} kPa: few bonds break (here: at most 2 % after the load came on)",
+    return Statement(f"{stress:g} kPa: few bonds break (here: at most 2 % after the load came on)",
                      f"{100 * min(shares):.3g} to {100 * max(shares):.3g} %"
                      if len(shares) > 1 else f"{100 * shares[0]:.3g} %", max(shares) <= 0.02)
 
@@ -130,16 +149,16 @@ def scatter(creep):
     """Of strain where nothing ruptures, of the rupture time where all does."""
     for stress, runs in creep.items():
         times = [run.numbers["rupture_time_s"] for run in runs if run.ruptured]
-        if stress <= 400 and not times:
+        if stress <= 400 and not times and len(runs) > 1:
             end = min(run.numbers["end_time_s"] for run in runs)
             found = relative_spread([strain_at(run, end) for run in runs])
-            yield Statement(f"{stress:.0f} kPa: seeds, packing and strength law hardly matter "
+            yield Statement(f"{stress:g} kPa: seeds, packing and strength law hardly matter "
                             f"(here: below {100 * NEGLIGIBLE:.0f} %)",
                             f"strain at {end:.4g} s scatters by {100 * found:.2g} % (standard "
                             f"deviation, {len(runs)} runs)", found < NEGLIGIBLE)
         elif stress > 400 and len(times) > 1:
             found = relative_spread(times)
-            yield Statement(f"{stress:.0f} kPa: the rupture time depends on seed and packing "
+            yield Statement(f"{stress:g} kPa: the rupture time depends on seed and packing "
                             f"(here: by more than {100 * NEGLIGIBLE:.0f} %)",
                             f"it scatters by {100 * found:.2g} % (standard deviation, {len(times)} "
                             "runs)", found >= NEGLIGIBLE)
@@ -159,11 +178,12 @@ def peak_stress_per_decade(rates):
 
 def scatter_at_constant_rate(rates):
     found = [relative_spread([run.numbers["largest_stress_kPa"] for run in runs])
-             for runs in rates.values()]
+             for runs in rates.values() if len(runs) > 1]
     return Statement("constant rate: strength law, seed and packing hardly matter "
                      f"(here: below {100 * NEGLIGIBLE:.0f} %)",
                      f"largest stress scatters by {values(100 * np.array(found), '.2g')} % at "
-                     f"{values(rates, 'g')} /s", max(found) < NEGLIGIBLE)
+                     f"{values([rate for rate, runs in rates.items() if len(runs) > 1], 'g')} /s",
+                     max(found) < NEGLIGIBLE)
 
 
 def scaling(runs):
@@ -182,7 +202,7 @@ def scaling(runs):
 def all_statements(folder):
     """Every statement for which there are runs in a folder."""
     found = studies(folder)
-    creep = by_number(found.get(STRESS, []), STRESS)
+    creep = by_number(found.get(STRESS, []), held_stress)
     if len(creep) > 1:
         yield strain_ordering(creep)
         for stress, runs in creep.items():
@@ -191,15 +211,17 @@ def all_statements(folder):
         if any(run.ruptured for runs in creep.values() for run in runs):
             yield most_breakages_at_rupture(creep)
             yield three_stages(creep)
-        if any(len(runs) > 1 for runs in creep.values()):
-            yield from scatter(creep)
-    rates = by_number(found.get(RATE, []), RATE)
+        yield from scatter(creep)
+    rates = by_number(found.get(RATE, []), strain_rate)
     if len(rates) > 1:
         yield peak_stress_per_decade(rates)
         if any(len(runs) > 1 for runs in rates.values()):
             yield scatter_at_constant_rate(rates)
-    if len(found.get("scaling", [])) > 1:
+    if "scaling" in found:
         yield scaling(found["scaling"])
+
+
+VERDICTS = {True: "met", False: "**not met**", None: "not tested"}
 
 
 def main():
@@ -210,7 +232,7 @@ def main():
         sys.exit(f"{sys.argv[1]}: there are no studies of creep or strain rate in it")
     print("| statement | measured | |\n|---|---|---|")
     for row in rows:
-        print(f"| {row.statement} | {row.measured} | {'met' if row.met else '**not met**'} |")
+        print(f"| {row.statement} | {row.measured} | {VERDICTS[row.met]} |")
 
 
 if __name__ == "__main__":

@@ -83,7 +83,8 @@ def variance_table(y, factors):
         if (degrees := rank - lower) < 1:
             continue
         squares = max(0.0, without - rest)
-        f = squares / degrees / (rest / freedom) if freedom > 0 and rest > 0 else np.nan
+        noise = 1e-20 * float(np.sum((y - y.mean()) ** 2))  # a residual that is only rounding
+        f = squares / degrees / (rest / freedom) if freedom > 0 and rest > noise else np.nan
         p = float(stats.f.sf(f, degrees, freedom)) if np.isfinite(f) else np.nan
         rows.append((name, squares, degrees, f, p))
     return rows + [("residual", rest, freedom, np.nan, np.nan)]

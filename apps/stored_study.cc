@@ -11,7 +11,6 @@ namespace apps {
 
 namespace {
 
-constexpr const char* file_name = "study.scene";
 constexpr const char* folder_mark = "# folder of the files that the scene names: ";
 constexpr const char* name_mark = "# name: ";
 constexpr const char* override_mark = "# --set ";
@@ -31,7 +30,7 @@ std::string noted_once(const std::string& text, const std::string& mark)
   const std::vector<std::string> found = noted(text, mark);
   if (found.empty())
     throw std::invalid_argument(
-        fmt::format("{}: '{}' is missing: was it changed?", file_name, mark));
+        fmt::format("{}: '{}' is missing: was it changed?", study_file, mark));
   return found.front();
 }
 
@@ -39,7 +38,7 @@ std::string noted_once(const std::string& text, const std::string& mark)
 
 bool is_study(const std::filesystem::path& folder)
 {
-  return std::filesystem::exists(folder / file_name);
+  return std::filesystem::exists(folder / study_file);
 }
 
 void store_study(const LoadedScene& scene, const std::filesystem::path& folder,
@@ -49,16 +48,16 @@ void store_study(const LoadedScene& scene, const std::filesystem::path& folder,
                                  absolute_folder(scene.folder).string(), name_mark, scene.name);
   for (const std::string& each : overrides)
     text += override_mark + each + '\n';
-  write_text_file(folder / file_name, text + scene.schema->print(false));
+  write_text_file(folder / study_file, text + scene.schema->print(false));
 }
 
 StoredStudy read_study(const std::filesystem::path& folder,
                        const std::vector<std::string>& overrides)
 {
-  const std::string text = read_text_file(folder / file_name);
+  const std::string text = read_text_file(folder / study_file);
   std::vector<std::string> settings = overrides;
   settings.push_back("Output/Folder = " + folder.string());
-  StoredStudy study{load_scene_text(text, file_name, noted_once(text, folder_mark), settings),
+  StoredStudy study{load_scene_text(text, study_file, noted_once(text, folder_mark), settings),
                     noted(text, override_mark)};
   study.scene.name = noted_once(text, name_mark);
   return study;

@@ -13,6 +13,9 @@ struct StoredStudy {
   std::vector<std::string> overrides; ///< of the command line, when it began
 };
 
+/// The file in which a study is stored within its folder.
+constexpr const char* study_file = "study.scene";
+
 /// Whether a folder holds a study.
 bool is_study(const std::filesystem::path& folder);
 

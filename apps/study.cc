@@ -3,6 +3,7 @@
 #include "apps/checkpoint.h"
 #include "apps/files.h"
 #include "apps/interrupt.h"
+#include "apps/measured.h"
 #include "apps/plot.h"
 #include "apps/run_pool.h"
 #include "apps/stored_study.h"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <stdexcept>
 
@@ -28,6 +30,58 @@ bool has_result(const std::filesystem::path& folder)
   } catch (const std::runtime_error&) {
     return false;
   }
+}
+
+/// Tables and figures that a study leaves beside its runs.
+constexpr const char* leavings[] = {"runs.csv",
+                                    "summary.csv",
+                                    "statistics.csv",
+                                    "variance.csv",
+                                    "study.h5",
+                                    "damage.csv",
+                                    "strain_time.png",
+                                    "strain_rate.png",
+                                    "breakage.png",
+                                    "stress_strain.png",
+                                    "permanent_strain.png",
+                                    "damage.png",
+                                    "compliance_growth.png",
+                                    "compliance.png",
+                                    "complex_modulus.png",
+                                    "displacement_time.png",
+                                    "displacement_rate.png",
+                                    "volumes.png",
+                                    "strain_reduced_time.png",
+                                    "master_curve.png",
+                                    "strain_time_band.png",
+                                    "breakage_band.png",
+                                    "rupture_times.png",
+                                    "stress_strain_band.png"};
+
+/// Takes away what an earlier study left in the folder, so that nothing of it counts as of this
+/// one.
+void clear(const std::filesystem::path& folder, const std::vector<StudyRun>& runs)
+{
+  std::error_code ignored;
+  for (const char* name : leavings)
+    std::filesystem::remove(folder / name, ignored);
+  for (const StudyRun& run : runs) {
+    for (const char* name : {"result.h5", "run.log"})
+      std::filesystem::remove(folder / run.name / name, ignored);
+    remove_checkpoints(folder / run.name);
+  }
+}
+
+/// The exit code with which a run ended in an earlier part of the study.
+int code_before(const std::map<std::string, int>& listed, const std::filesystem::path& folder,
+                const StudyRun& run)
+{
+  if (const auto found = listed.find(run.name); found != listed.end() && found->second >= 0)
+    return found->second;
+  const dem::Hdf5File file = dem::Hdf5File::open(folder / run.name / "result.h5");
+  return file.text_attribute("", "end") == name_of(dem::RunEnd::lost_equilibrium)
+             ? int(exit_lost_equilibrium)
+             : int(exit_ok);
 }
 
 /// What all runs of a study have in common.
@@ -159,6 +213,20 @@ std::vector<StudyRun> study_runs(const Scene& scene)
   return combined_runs(scene.study.vary, scene.study.values);
 }
 
+std::map<std::string, int> listed_runs(const std::filesystem::path& folder)
+{
+  std::map<std::string, int> codes;
+  if (!std::filesystem::exists(folder / "runs.csv"))
+    return codes;
+  std::vector<std::string> lines = split(read_text_file(folder / "runs.csv"), '\n');
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const std::vector<std::string> cells = split(lines[k], ','); // the first two hold no commas
+    if (cells.size() > 2)
+      codes[cells[0]] = std::atoi(cells[1].c_str());
+  }
+  return codes;
+}
+
 std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file,
                                          const std::vector<std::string>& overrides,
                                          const std::vector<StudyRun>& runs)
@@ -168,10 +236,21 @@ std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file
     std::vector<std::string> all = overrides;
     for (const std::string& setting : run.settings())
       all.push_back(setting);
-    for (const Diagnostic& each : load_scene(scene_file, all).diagnostics)
+    const auto tell = [&](const std::string& place, const std::string& message) {
+      problems.push_back(
+          {Diagnostic::Kind::error, place, fmt::format("run '{}': {}", run.value, message)});
+    };
+    const LoadedScene loaded = load_scene(scene_file, all);
+    for (const Diagnostic& each : loaded.diagnostics)
       if (each.kind == Diagnostic::Kind::error)
-        problems.push_back({each.kind, each.place == "--set" ? "Study" : each.place,
-                            fmt::format("run '{}': {}", run.value, each.message)});
+        tell(each.place == "--set" ? "Study" : each.place, each.message);
+    if (loaded.has_errors())
+      continue;
+    try {
+      measured_curve(loaded);
+    } catch (const std::invalid_argument& problem) {
+      tell("Output/Measured", problem.what());
+    }
   }
   return problems;
 }
@@ -184,6 +263,9 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
   store_study(scene, folder, options.overrides);
   const int at_a_time = std::clamp(options.n_threads, 1, int(runs.size()));
   fmt::print("{}: study of {} runs, {} at a time\n", scene.name, runs.size(), at_a_time);
+  if (!resume)
+    clear(folder, runs);
+  const std::map<std::string, int> listed = listed_runs(folder);
   const std::vector<LoadedScene> scenes = scenes_of(scene, runs, folder);
   const auto packings = study_packings(scenes, folder, options);
   const Setting setting{folder, std::max(1, options.n_threads / at_a_time), options.overrides,
@@ -192,7 +274,7 @@ int run_study(LoadedScene scene, const RunOptions& options, bool resume)
   for (std::size_t k = 0; k < runs.size() && !interrupted(); ++k) {
     if (resume && has_result(folder / runs[k].name)) {
       fmt::print("{}: finished before\n", runs[k].name);
-      pool.count_as_finished(runs[k]);
+      pool.count_as_finished(runs[k], code_before(listed, folder, runs[k]));
       continue;
     }
     std::error_code ignored;

@@ -3,6 +3,7 @@
 #include "apps/study_factors.h"
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@ constexpr std::size_t most_in_full = 8;
 
 /// The runs of a scene with a section Study; empty if it describes a single run.
 std::vector<StudyRun> study_runs(const Scene& scene);
+
+/// Names of the runs of a study and their exit codes, from the runs.csv in its folder; -1: not
+/// started. Empty without that file.
+std::map<std::string, int> listed_runs(const std::filesystem::path& folder);
 
 /// What is wrong with the runs of a study, each checked as a scene of its own.
 std::vector<Diagnostic> check_study_runs(const std::filesystem::path& scene_file,

@@ -184,10 +184,13 @@ std::vector<StudyRun> combined_runs(const std::string& vary, const std::string& 
   std::vector<StudyRun> runs{StudyRun{}};
   for (const Factor& factor : factors)
     runs = with_factor(runs, factor);
+  constexpr std::size_t longest = 100; // of the name of a folder, which file systems limit
   std::set<std::string> names;
-  for (StudyRun& run : runs)
+  for (StudyRun& run : runs) {
+    run.name = run.name.substr(0, longest);
     while (!names.insert(run.name).second)
       run.name += "-";
+  }
   return runs;
 }
 

@@ -183,7 +183,7 @@ int check_verb(const std::string& scene, const std::vector<std::string>& overrid
       loaded.diagnostics.push_back({Diagnostic::Kind::error, "Specimen", problem.what()});
     }
   }
-  if (!loaded.has_errors()) {
+  if (!loaded.has_errors() && study_runs(*loaded.scene).empty()) {
     try {
       measured_curve(loaded);
     } catch (const std::invalid_argument& problem) {
