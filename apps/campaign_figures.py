@@ -144,7 +144,8 @@ def rupture_times(folder, key, groups):
                              np.r_[np.arange(1, len(finite) + 1), len(finite)] / n, where="post",
                              color=group.colour, lw=2,
                              label=f"{group.label}: {len(finite)} of {n} ruptured")
-    sheet.panels[1].legend(loc="lower right", fontsize=8.5)
+    sheet.panels[1].legend(loc="lower right", fontsize=8.5, frameon=True, framealpha=0.9,
+                           edgecolor="none")
     sheet.label(0, varied(key) or "", "Rupture time [s]", "y")
     name_groups(sheet.panels[0], ending)
     sheet.label(1, "Time [s]", "Share of runs that have ruptured", "x")
