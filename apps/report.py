@@ -77,7 +77,8 @@ def figure(file):
 def figures(folder):
     """All figures of a folder, the known ones first."""
     order = list(CAPTIONS)
-    files = sorted(Path(folder).glob("*.png"), key=lambda f: (
+    shown = [file for file in Path(folder).glob("*.png") if file.stem != "specimen"]  # its parts are there
+    files = sorted(shown, key=lambda f: (
         order.index(f.stem) if f.stem in order else len(order), f.stem))
     return "\n".join(figure(file) for file in files)
 
@@ -225,7 +226,7 @@ def statements_section(folders):
                 f"{text(' '.join(str(problem).split()))}</p></section>")
     if not rows:
         return ""
-    met = sum(row.met is True for row in rows)
+    met = sum(bool(row.met) for row in rows)
     verdicts = {True: ("met", "met"), False: ("not", "not met"), None: ("open", "not tested")}
     body = [(text(row.statement), text(row.measured),
              '<span class="{}">{}</span>'.format(*verdicts[row.met])) for row in rows]

@@ -314,6 +314,7 @@ class Collection(unittest.TestCase):
         self.assertRegex(said, r"Fig\. 4.*0\.2991 m at 2000 s, 0\.2991 m at 200 s.* \| met \|")
         self.assertRegex(said, r"peak stress grows by.* per decade")
         page = self.page.read_text()
+        self.assertIn(f"{said.count('| met |')} of {len(said.strip().splitlines()) - 2} are met", page)
         self.assertEqual(sum(page.count(f'class="{c}"') for c in ("met", "not", "open")),
                          len(said.strip().splitlines()) - 2)
 
