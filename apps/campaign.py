@@ -40,11 +40,11 @@ class Group:
         self.done = [run for run in runs if run.result]
         self.can_rupture = bool(self.done) and all(run.can_rupture for run in self.done)
         self.creeps = bool(self.done) and all(run.result.creeps for run in self.done)
-        self.common_time = common_time(self.done)
+        self.common_time = run_summary.common_time(self.done)
         for run in self.done if self.creeps and self.common_time > 0 else ():
             column = ("displacement_at_common_time_mm" if run.result.kind is DISPLACEMENT
                       else "strain_at_common_time_percent")
-            run.numbers[column] = at(run, self.common_time)
+            run.numbers[column] = run_summary.strain_at(run, self.common_time)
 
     def values(self, column):
         """Amounts of a column, without zeros and what is not known, and of which runs."""
@@ -56,18 +56,6 @@ class Group:
         """Of all runs that are done; infinite where none came before the end."""
         return np.array([run.numbers["rupture_time_s"] if run.ruptured else np.inf
                          for run in self.done])
-
-
-def common_time(runs):
-    """The last time before half of the earliest rupture, or the earliest end [s]."""
-    ends = [run.numbers["rupture_time_s"] / 2 if run.ruptured else run.numbers["end_time_s"]
-            for run in runs]
-    return min(ends, default=np.nan)
-
-
-def at(run, time):
-    """Strain, or mean displacement, of a run at a time."""
-    return float(np.interp(time, *run.result.curve()))
 
 
 def grouped(runs):

@@ -63,6 +63,7 @@ Resumed restored(const std::filesystem::path& path, const RunOptions& options)
   if (files_fingerprint(run.scene) != file.text_attribute("scene", "files_fingerprint"))
     throw std::invalid_argument(path.string() + ": the files of particles or bonds have changed "
                                                 "since the run began");
+  run.measured = measured_curve(run.scene);
   run.packing = stored_packing(file, run.scene);
   run.decision = stored_decision(file);
   start_run(run, options);

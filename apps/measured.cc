@@ -1,6 +1,8 @@
 #include "apps/measured.h"
 
 #include "apps/fit_data.h"
+#include "apps/run_checks.h"
+#include "apps/run_comparison.h"
 
 #include <fmt/format.h>
 
@@ -10,27 +12,6 @@
 #include <stdexcept>
 
 namespace apps {
-
-namespace {
-
-const std::vector<double>& values_of(const std::vector<Column>& columns, const char* name)
-{
-  const auto found = std::ranges::find(columns, name, &Column::name);
-  if (found == columns.end())
-    throw std::invalid_argument(fmt::format("the history has no column {}", name));
-  return found->values;
-}
-
-double interpolated(const std::vector<double>& x, const std::vector<double>& y, double at)
-{
-  const auto above = std::ranges::lower_bound(x, at);
-  const std::size_t k = std::size_t(above - x.begin());
-  if (k == 0 || *above == at)
-    return y[k];
-  return y[k - 1] + (y[k] - y[k - 1]) * (at - x[k - 1]) / (x[k] - x[k - 1]);
-}
-
-} // namespace
 
 MeasuredCurve measured_curve(const LoadedScene& scene)
 {
@@ -69,13 +50,13 @@ MeasuredCurve measured_curve(const LoadedScene& scene)
 
 Agreement agreement(const MeasuredCurve& curve, const std::vector<Column>& history)
 {
-  const std::vector<double>& time = values_of(history, "time_s");
-  const std::vector<double>& percent = values_of(history, "axial_strain_percent");
+  const std::vector<double>& time = column_of(history, "time_s").values;
+  const std::vector<double>& percent = column_of(history, "axial_strain_percent").values;
   double squares = 0, largest = 0;
   std::size_t n = 0;
   for (std::size_t k = 0; k < curve.time.size(); ++k)
     if (curve.time[k] >= time.front() && curve.time[k] <= time.back()) {
-      const double found = 0.01 * interpolated(time, percent, curve.time[k]);
+      const double found = 0.01 * value_at(time, percent, curve.time[k]);
       squares += (found - curve.strain[k]) * (found - curve.strain[k]);
       largest = std::max(largest, std::abs(curve.strain[k]));
       ++n;

@@ -34,7 +34,6 @@ CAPTIONS = {
     "complex_modulus": "Complex modulus and phase angle.", "permanent_strain": "Permanent strain over cycles.",
     "compliance": "Creep compliance.", "compliance_growth": "Compliance over broken bonds.",
     "energy": "Where the work of the loads went.", "damage": "Minimum creep rate and rupture time.",
-    "measured": "Beside the measured curves.",
     "specimen_packing": "The particles.", "specimen_forces": "Forces in the bonds.",
     "specimen_broken": "Bonds that broke, by time."}
 QUANTITIES = {

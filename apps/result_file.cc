@@ -1,6 +1,5 @@
 #include "apps/cycles.h"
 #include "apps/files.h"
-#include "apps/measured.h"
 #include "apps/paraview.h"
 #include "apps/provenance.h"
 #include "apps/run.h"
@@ -102,10 +101,10 @@ void write_results(const RunInProgress& r, const std::filesystem::path& folder, 
     write_columns(file, "cycles", cycles);
     write_text_file(folder / "cycles.csv", csv(cycles));
   }
-  if (const MeasuredCurve measured = measured_curve(r.scene); !measured.time.empty()) {
-    write_columns(file, "measured", measured_columns(measured));
+  if (!r.measured.time.empty()) {
+    write_columns(file, "measured", measured_columns(r.measured));
     file.set_attribute("measured", "relative_rms_difference",
-                       agreement(measured, history).difference);
+                       agreement(r.measured, history).difference);
   }
   file.publish();
   write_text_file(folder / "history.csv", csv(history));

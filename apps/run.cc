@@ -6,7 +6,6 @@
 #include "apps/files.h"
 #include "apps/interrupt.h"
 #include "apps/load_case.h"
-#include "apps/measured.h"
 #include "apps/plot.h"
 #include "apps/progress.h"
 #include "apps/ranks.h"
@@ -118,11 +117,10 @@ int judged(const RunInProgress& r, const std::filesystem::path& folder, const Ru
 /// How near the simulation comes to what was measured.
 void tell_agreement(RunInProgress& r)
 {
-  const MeasuredCurve measured = measured_curve(r.scene);
-  if (measured.time.empty())
+  if (r.measured.time.empty())
     return;
   const Agreement found =
-      agreement(measured, history_columns(face_of(r.specimen.assembly), r.record.history));
+      agreement(r.measured, history_columns(face_of(r.specimen.assembly), r.record.history));
   say(r, found.n_points > 0
              ? fmt::format("  measured: rms difference {:.3g} % of the largest strain, {} points",
                            100 * found.difference, found.n_points)
@@ -209,8 +207,8 @@ int run_accepted(LoadedScene scene, const RunOptions& options)
   if (options.packing && !generated)
     throw std::invalid_argument("--packing: the scene reads its particles from a file already "
                                 "(Source = file)");
-  measured_curve(scene); // what is wrong with it is said before the run
   RunInProgress r;
+  r.measured = measured_curve(scene);
   say(r, scene.name + (scene.scene->title.empty() ? "" : ": " + scene.scene->title));
   r.packing = options.packing ? read_packing(*options.packing, packing_recipe(*scene.scene))
                               : make_packing(scene);

@@ -1,4 +1,5 @@
 #pragma once
+#include "apps/measured.h"
 #include "apps/scene.h"
 #include "apps/specimen.h"
 #include "apps/specimen_run.h"
@@ -39,6 +40,7 @@ struct RunInProgress {
   SolverDecision decision;
   std::unique_ptr<SpecimenRun> run;
   RunRecord record;
+  MeasuredCurve measured;        ///< to be compared with; read before the run
   std::size_t n_recorded = 0;    ///< times of history and snapshots that are done
   std::string files_fingerprint; ///< of the particle and bond files, when they were read
   double wall_time_before = 0; ///< of the solver's preparation and of earlier parts of the run [s]

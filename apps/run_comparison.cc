@@ -9,19 +9,6 @@ namespace apps {
 
 namespace {
 
-/// A column at a time: its value if the time is one of the rows, else between two rows.
-double at(const std::vector<double>& times, const std::vector<double>& values, double time)
-{
-  const auto after = std::ranges::lower_bound(times, time);
-  if (after == times.end())
-    return values.back();
-  const auto k = std::size_t(after - times.begin());
-  if (*after == time || k == 0)
-    return values[k];
-  const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
-  return values[k - 1] + share * (values[k] - values[k - 1]);
-}
-
 /// True for a row at an instant at which the load jumps, or may do so: the first, and both sides
 /// of a later one.
 bool at_jump(const std::vector<double>& times, std::size_t k)
@@ -65,6 +52,18 @@ std::pair<std::string, std::string> answer(const dem::Hdf5File& result)
 
 } // namespace
 
+double value_at(const std::vector<double>& times, const std::vector<double>& values, double time)
+{
+  const auto after = std::ranges::lower_bound(times, time);
+  if (after == times.end())
+    return values.back();
+  const auto k = std::size_t(after - times.begin());
+  if (*after == time || k == 0)
+    return values[k];
+  const double share = (time - times[k - 1]) / (times[k] - times[k - 1]);
+  return values[k - 1] + share * (values[k] - values[k - 1]);
+}
+
 RunCurve read_run_curve(const dem::Hdf5File& result)
 {
   const auto [quantity, column] = answer(result);
@@ -96,14 +95,14 @@ RunErrors compare(const RunCurve& run, const RunCurve& reference)
       break;
     if (at_jump(reference.time, k))
       continue;
-    const double difference = at(run.time, run.value, time) - expected;
+    const double difference = value_at(run.time, run.value, time) - expected;
     largest = std::isfinite(difference) ? std::max(largest, std::abs(difference)) : INFINITY;
     size = std::max(size, std::abs(expected));
     errors.last_time = time;
     errors.largest = relative(largest, size);
     errors.at_end = relative(difference, expected);
-    errors.broken =
-        relative(at(run.time, run.n_broken, time) - reference.n_broken[k], reference.n_broken[k]);
+    errors.broken = relative(value_at(run.time, run.n_broken, time) - reference.n_broken[k],
+                             reference.n_broken[k]);
   }
   return errors;
 }

@@ -20,6 +20,10 @@ struct RunCurve {
 /// left out.
 RunCurve read_run_curve(const dem::Hdf5File& result);
 
+/// A column at a time: its value if the time is one of the rows, else between two rows; beyond them
+/// the first or the last.
+double value_at(const std::vector<double>& times, const std::vector<double>& values, double time);
+
 /// Which of two runs rupture.
 enum class Ruptures { neither, both, only_run, only_reference };
 

@@ -47,6 +47,17 @@ def read_runs(folder):
         return [Run(folder, row) for row in csv.DictReader(file)]
 
 
+def strain_at(run, time):
+    """Strain, or mean displacement, of a run at a time."""
+    return float(np.interp(time, *run.result.curve()))
+
+
+def common_time(runs):
+    """Half of the earliest rupture time, or the earliest end [s]."""
+    return min((run.numbers["rupture_time_s"] / 2 if run.ruptured else run.numbers["end_time_s"]
+                for run in runs), default=np.nan)
+
+
 def csv_text(rows):
     """Rows of cells as CSV."""
     text = io.StringIO()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from curves import power_law
-from run_summary import read_runs
+from run_summary import common_time, read_runs, strain_at
 
 Statement = namedtuple("Statement", "statement measured met")  # True, False, None: not tested
 
@@ -75,15 +75,9 @@ def of_runs(count, runs):
     return f"{count} of {len(runs)}"
 
 
-def strain_at(run, time):
-    return float(np.interp(time, *run.result.curve()))
-
-
 def strain_ordering(creep):
     """Of the runs with the same seeds and laws, at half of the earliest rupture time."""
-    every = [run for runs in creep.values() for run in runs]
-    time = min(run.numbers["rupture_time_s"] / 2 if run.ruptured else run.numbers["end_time_s"]
-               for run in every)
+    time = common_time([run for runs in creep.values() for run in runs])
     series = {}
     for stress, runs in creep.items():
         for run in runs:

@@ -1,5 +1,6 @@
 #include "apps/fit_data.h"
 #include "apps/measured.h"
+#include "dem/hdf5_file.h"
 #include "tests/apps/networks.h"
 
 #include <gtest/gtest.h>
@@ -79,6 +80,9 @@ TEST(Measured, IsComparedAndStored)
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_TRUE(contains(run.output, "  measured: rms difference ")) << run.output;
   EXPECT_TRUE(contains(run.output, " of the largest strain, 2 points\n")) << run.output;
+  const dem::Hdf5File result = dem::Hdf5File::open(folder / "results/net/result.h5");
+  EXPECT_EQ(result.read_doubles("measured/time_s"), (std::vector<double>{1, 10, 100}));
+  EXPECT_GT(result.number_attribute("measured", "relative_rms_difference"), 0);
   const apps::Finished wrong =
       mastic(folder, with({"check", "net.scene"}, {"Output/Measured = nowhere.csv"}));
   EXPECT_EQ(wrong.exit_code, 2);
