@@ -62,7 +62,8 @@ Configuration EquilibriumFinder::configuration(const EquilibriumProblem& problem
                                                const Eigen::VectorXd& x) const
 {
   const std::size_t n = dofs_.first_dof.size();
-  Configuration at{std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero())};
+  Configuration at{std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero()),
+                   problem.cell_strain};
   const double platen = dofs_.platen_dof >= 0 ? x[dofs_.platen_dof] : problem.platen_moved;
   for (std::size_t i = 0; i < n; ++i) {
     if (const Index dof = dofs_.first_dof[i]; dof >= 0) {
@@ -254,10 +255,8 @@ Equilibrium EquilibriumFinder::find(const EquilibriumProblem& problem, const Eig
   Residual residual = evaluate(problem, result.x, result);
   std::vector<double> residuals;
   for (;; ++result.n_iterations) {
-    const double wanted =
-        problem.tolerance * std::max(result.largest_force, problem.external.size() > 0
-                                                               ? 1e-3 * problem.external.norm()
-                                                               : 0.0);
+    const double wanted = problem.tolerance * std::max({result.largest_force, problem.least_force,
+                                                        1e-3 * problem.external.norm()});
     if (!std::isfinite(residual.largest))
       return result;
     if (residual.largest <= wanted) {

@@ -13,9 +13,11 @@ struct EquilibriumProblem {
   std::vector<double> hold; ///< viscous hold of each body over the step [N/m]
   Eigen::VectorXd external; ///< forces on the dofs at the end, without that of the platen
   std::function<double(double)> platen_force; ///< [N], of the platen's displacement in the step
-  double platen_moved = 0; ///< displacement of a held upper platen in the step [m]
-  double tolerance;        ///< out-of-balance force over the largest link force
-  double stiffness;        ///< mean algorithmic stiffness of the links [N/m]
+  double platen_moved = 0;         ///< displacement of a held upper platen in the step [m]
+  double tolerance;                ///< out-of-balance force over the largest link force
+  double stiffness;                ///< mean algorithmic stiffness of the links [N/m]
+  Mat3 cell_strain = Mat3::Zero(); ///< change of the strain of the periodic cell in the step [-]
+  double least_force = 0;          ///< forces below are as nothing: where all has come apart [N]
 };
 
 /// An equilibrium, or why there is none.

@@ -19,6 +19,8 @@ struct Motion {
 Vec3 approach(const LinkStep& step, const Link& link, const Configuration& now)
 {
   const Vec3 change = now.moved[link.second] - now.moved[link.first];
+  if (step.bodies->cell)
+    return change + now.cell * step.bodies->cell->translation(link.image);
   return link.second >= step.bodies->n_particles() ? Vec3(0, 0, change.z()) : change;
 }
 
@@ -49,7 +51,7 @@ Motion finite_motion(const LinkStep& step, const Link& link, const Configuration
                      LinkAnswer& result)
 {
   const bool platen = link.second >= step.bodies->n_particles();
-  const Vec3 before = branch(link, *step.bodies, step.centre);
+  const Vec3 before = branch(link, *step.bodies, step.centre, step.stretch);
   const Vec3 change = approach(step, link, now), branch_now = before + change;
   result.distance = branch_now.norm();
   const Vec3 normal = branch_now / result.distance;
@@ -162,7 +164,8 @@ LinkAnswer answer(const LinkStep& step, std::size_t k, const Configuration& now)
   LinkAnswer result;
   result.force = result.moment = result.tangent.slip = Vec3::Zero();
   if (step.geometry == Geometry::finite && !link.closed) { // most open contacts stay open
-    result.distance = (branch(link, *step.bodies, step.centre) + approach(step, link, now)).norm();
+    result.distance =
+        (branch(link, *step.bodies, step.centre, step.stretch) + approach(step, link, now)).norm();
     if (result.distance >= link.touch) {
       result.frame = link.frame;
       result.tangent.normal = link.frame.normal;

@@ -10,8 +10,9 @@ namespace dem {
 
 /// How all bodies have moved since the start of the step.
 struct Configuration {
-  std::vector<Vec3> moved; ///< displacement [m]
-  std::vector<Vec3> turn;  ///< rotation vector [rad]
+  std::vector<Vec3> moved;  ///< displacement [m]
+  std::vector<Vec3> turn;   ///< rotation vector [rad]
+  Mat3 cell = Mat3::Zero(); ///< change of the displacement gradient of the periodic cell [-]
 };
 
 /// What is the same for all links in a step.
@@ -25,6 +26,7 @@ struct LinkStep {
   double regularisation;         ///< viscous resistance of contacts to sliding and rolling over the
                                  ///< step, over their normal stiffness [-]
   Geometry geometry;
+  Mat3 stretch = Mat3::Identity(); ///< deformation of the periodic cell at the start
 };
 
 /// Change of a link's forces with the relative motion of its bodies at the contact point:

@@ -25,17 +25,35 @@ int law_between(const Assembly& assembly, int a, int b)
   return 0;
 }
 
-Link open_contact(Index first, Index second, const Assembly& assembly, const Bodies& bodies,
-                  std::span<const Vec3> centre)
+/// Two bodies that may touch: the first has the smaller number.
+struct Pair {
+  Index first, second;
+  ImageShift image = ImageShift::Zero(); ///< of the second
+
+  auto key() const { return std::tuple(first, second, image[0], image[1], image[2]); }
+  bool operator<(const Pair& other) const { return key() < other.key(); }
+};
+
+Pair pair_of(const Link& link)
+{
+  if (link.first <= link.second)
+    return {link.first, link.second, link.image};
+  return {link.second, link.first, -link.image};
+}
+
+Link open_contact(const Pair& pair, const Assembly& assembly, const Bodies& bodies,
+                  std::span<const Vec3> centre, const Mat3& stretch)
 {
   Link link{};
+  const auto [first, second, image] = pair;
   link.first = first;
   link.second = second;
+  link.image = image;
   link.bond = -1;
   const bool platen = second >= bodies.n_particles();
   const int own = bodies.material_class[first];
   link.law = law_between(assembly, own, platen ? own : bodies.material_class[second]);
-  const Vec3 r = branch(link, bodies, centre);
+  const Vec3 r = branch(link, bodies, centre, stretch);
   link.distance = link.span = r.norm();
   link.touch = std::min(link.distance, bodies.radius[first] + (platen ? 0 : bodies.radius[second]));
   link.offset = platen ? 0.5 * link.distance : 0.5 * (bodies.radius[first] - bodies.radius[second]);
@@ -43,12 +61,26 @@ Link open_contact(Index first, Index second, const Assembly& assembly, const Bod
   return link;
 }
 
-std::vector<std::array<Index, 2>> near_bodies(const Bodies& bodies, std::span<const Vec3> centre,
-                                              double skin)
+/// Pairs of spheres and images of spheres; a sphere and its own image is none.
+std::vector<Pair> near_images(const Bodies& bodies, std::span<const Vec3> centre, double skin,
+                              const Mat3& stretch)
+{
+  const Index n = bodies.n_particles();
+  const PeriodicNeighbours near = periodic_near_pairs(
+      {stretch * bodies.cell->edges}, centre.first(n), std::span(bodies.radius).first(n), skin);
+  std::vector<Pair> pairs;
+  for (Index i = 0; i < n; ++i)
+    for (Index k = near.list.start[i]; k < near.list.start[i + 1]; ++k)
+      if (near.list.neighbour[k] != i)
+        pairs.push_back({i, near.list.neighbour[k], near.shift[k]});
+  return pairs;
+}
+
+std::vector<Pair> near_bodies(const Bodies& bodies, std::span<const Vec3> centre, double skin)
 {
   const Index n = bodies.n_particles();
   const NeighbourList near = near_pairs(centre.first(n), std::span(bodies.radius).first(n), skin);
-  std::vector<std::array<Index, 2>> pairs;
+  std::vector<Pair> pairs;
   for (Index i = 0; i < n; ++i) {
     for (Index k = near.start[i]; k < near.start[i + 1]; ++k)
       pairs.push_back({std::min(i, near.neighbour[k]), std::max(i, near.neighbour[k])});
@@ -61,13 +93,7 @@ std::vector<std::array<Index, 2>> near_bodies(const Bodies& bodies, std::span<co
     if (above < skin)
       pairs.push_back({i, bodies.upper_platen()});
   }
-  std::ranges::sort(pairs);
   return pairs;
-}
-
-std::array<Index, 2> pair_of(const Link& link)
-{
-  return {std::min(link.first, link.second), std::max(link.first, link.second)};
 }
 
 } // namespace
@@ -82,9 +108,12 @@ Bodies make_bodies(const Assembly& assembly)
   return bodies;
 }
 
-Vec3 branch(const Link& link, const Bodies& bodies, std::span<const Vec3> centre)
+Vec3 branch(const Link& link, const Bodies& bodies, std::span<const Vec3> centre,
+            const Mat3& stretch)
 {
   const Vec3 r = centre[link.second] - centre[link.first];
+  if (bodies.cell)
+    return r + stretch * bodies.cell->translation(link.image);
   return link.second >= bodies.n_particles() ? Vec3(0, 0, r.z()) : r;
 }
 
@@ -98,7 +127,8 @@ std::array<double, 6> mode_multipliers(const Link& link, const Assembly& assembl
   return {1, shear, shear, shear * squared / 2, squared / 4, squared / 4};
 }
 
-Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const Vec3> centre)
+Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const Vec3> centre,
+                 std::span<const ImageShift> image)
 {
   Links links;
   for (const BondLaw& law : assembly.laws)
@@ -112,6 +142,8 @@ Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const
     link.kind = LinkKind::bond;
     link.closed = true;
     link.offset = assembly.bonds.contact_offset[b];
+    if (!image.empty())
+      link.image = image[b];
     const Vec3 r = branch(link, bodies, centre);
     link.touch = link.distance = link.span = r.norm();
     link.frame = any_frame(r / link.distance);
@@ -123,12 +155,12 @@ Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const
 }
 
 Links find_contacts(Links links, const Assembly& assembly, const Bodies& bodies,
-                    std::span<const Vec3> centre, double skin)
+                    std::span<const Vec3> centre, double skin, const Mat3& stretch)
 {
   Links result;
   result.n_parts = links.n_parts;
   const std::size_t stride = 6 * std::size_t(links.n_parts);
-  std::vector<std::array<Index, 2>> linked;
+  std::vector<Pair> linked;
   const auto keep = [&](std::size_t k) {
     linked.push_back(pair_of(links.link[k]));
     result.link.push_back(links.link[k]);
@@ -136,16 +168,20 @@ Links find_contacts(Links links, const Assembly& assembly, const Bodies& bodies,
   };
   for (std::size_t k = 0; k < links.link.size(); ++k) {
     const Link& link = links.link[k];
-    if (link.bond >= 0 || link.closed || branch(link, bodies, centre).norm() - link.touch < skin)
+    if (link.bond >= 0 || link.closed ||
+        branch(link, bodies, centre, stretch).norm() - link.touch < skin)
       keep(k);
   }
-  std::ranges::sort(linked);
-  for (const auto& [first, second] : near_bodies(bodies, centre, skin)) {
-    const bool both_held =
-        bodies.support[first] != Support::free && bodies.support[first] == bodies.support[second];
-    if (both_held || std::ranges::binary_search(linked, std::array{first, second}))
+  std::sort(linked.begin(), linked.end());
+  std::vector<Pair> near =
+      bodies.cell ? near_images(bodies, centre, skin, stretch) : near_bodies(bodies, centre, skin);
+  std::sort(near.begin(), near.end());
+  for (const Pair& pair : near) {
+    const Support support = bodies.support[pair.first];
+    const bool both_held = support != Support::free && support == bodies.support[pair.second];
+    if (both_held || std::binary_search(linked.begin(), linked.end(), pair))
       continue;
-    result.link.push_back(open_contact(first, second, assembly, bodies, centre));
+    result.link.push_back(open_contact(pair, assembly, bodies, centre, stretch));
     result.memory.insert(result.memory.end(), stride, 0.0);
   }
   // Contacts by their bodies, so that the order does not depend on when they were found.

@@ -1,6 +1,7 @@
 #pragma once
 #include "dem/assembly.h"
 #include "dem/bond_frame.h"
+#include "dem/periodic_cell.h"
 #include "dem/records.h"
 
 #include <optional>
@@ -31,6 +32,7 @@ struct Link {
   double distance;     ///< of the centres, or height above the platen [m]
   double span;         ///< distance when the link was made: of the arms of small displacements [m]
   BondFrame frame;     ///< from the first body to the second
+  ImageShift image = ImageShift::Zero(); ///< of the second body, in a periodic cell
 };
 
 /// The links of a specimen and what each of their six modes remembers.
@@ -49,7 +51,8 @@ struct Bodies {
   std::vector<double> radius;
   std::vector<Support> support;
   std::vector<int> material_class;
-  bool platens_press; ///< false if the load does not act through platens
+  bool platens_press;                    ///< false if the load does not act through platens
+  std::optional<PeriodicCell> cell = {}; ///< at rest, if the particles repeat; no platens then
 
   Index n_particles() const { return Index(radius.size()) - 2; }
   Index lower_platen() const { return n_particles(); }
@@ -58,19 +61,26 @@ struct Bodies {
 Bodies make_bodies(const Assembly& assembly);
 
 /// Vector from the first body of a link to its second; to a platen along its normal.
-Vec3 branch(const Link& link, const Bodies& bodies, std::span<const Vec3> centre);
+/// \param stretch  deformation of the periodic cell, if there is one
+Vec3 branch(const Link& link, const Bodies& bodies, std::span<const Vec3> centre,
+            const Mat3& stretch = Mat3::Identity());
 
 /// Stiffness multipliers of the six modes; those of torsion and bending are zero in a contact.
 std::array<double, 6> mode_multipliers(const Link& link, const Assembly& assembly);
 
-/// Bonds at rest. \param centre  of all bodies
-Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const Vec3> centre);
+/// Bonds at rest.
+/// \param centre  of all bodies
+/// \param image   of the second end of each bond, in a periodic cell
+Links make_links(const Assembly& assembly, const Bodies& bodies, std::span<const Vec3> centre,
+                 std::span<const ImageShift> image = {});
 
 /// Looks for near pairs that are not linked yet, and drops open contacts that are far apart. A pair
 /// that overlaps when it is first seen touches at that distance: no force comes from nowhere.
 /// \param skin  gap up to which pairs are linked [m]
+/// \param stretch  deformation of the periodic cell, if there is one
 Links find_contacts(Links links, const Assembly& assembly, const Bodies& bodies,
-                    std::span<const Vec3> centre, double skin);
+                    std::span<const Vec3> centre, double skin,
+                    const Mat3& stretch = Mat3::Identity());
 
 /// True if bodies have moved so far that near pairs must be looked for again.
 bool contacts_outdated(const Links& links, std::span<const Vec3> centre, double skin);

@@ -2,6 +2,7 @@
 
 #include "dem/breakage_search.h"
 #include "dem/connectivity.h"
+#include "dem/link_strength.h"
 #include "dem/quasistatic_trial.h"
 
 #include <fmt/format.h>
@@ -27,6 +28,14 @@ constexpr double largest_growth = 1.6;
 double load_after(const Loading& loading, double time, double duration)
 {
   return load_value(loading, time) + load_rate(loading, time) * duration;
+}
+
+/// Of each bond; none if bonds do not break.
+std::vector<double> ratios_of(const QuasistaticModel& model, const Links& links)
+{
+  const std::optional<Strengths>& strengths = model.assembly.strengths;
+  return strengths ? strength_ratios(links, *strengths, model.settings.residual_tolerance)
+                   : std::vector<double>(model.assembly.bonds.size(), 0.0);
 }
 
 double largest_ratio(std::span<const double> ratios)
@@ -225,8 +234,7 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
 {
   const QuasistaticModel& model = *model_;
   const double factor = strength_factor_now(state);
-  const std::vector<double> ratios =
-      strength_ratios(model, state.links, model.settings.residual_tolerance);
+  const std::vector<double> ratios = ratios_of(model, state.links);
   std::vector<Index> over;
   for (std::size_t b = 0; b < ratios.size(); ++b)
     if (ratios[b] > 0 && ratios[b] >= factor)
@@ -249,12 +257,7 @@ void QuasistaticSolver::break_bonds(QuasistaticState& state)
   const Strengths& strengths = *model.assembly.strengths;
   for (std::size_t each = 0; each < n; ++each) {
     const Index b = over[each];
-    const double* memory = state.links.memory_of(b);
-    const double normal = memory[0];
-    const double shear = std::hypot(memory[state.links.n_parts], memory[2 * state.links.n_parts]);
-    const bool by_tension =
-        normal > 0 && normal * strengths.shear[b] >= shear * strengths.normal[b];
-    const BreakMode mode = by_tension ? BreakMode::tension : BreakMode::shear;
+    const auto [normal, shear, mode] = breaking_forces(state.links, std::size_t(b), strengths);
     state.breakages.push_back({state.time(), b, mode, normal, shear, factor,
                                state.path.back().displacement / model.assembly.gauge_length,
                                state.pass});
@@ -288,8 +291,7 @@ void QuasistaticSolver::step_in_time(QuasistaticState& state)
   const double longest = largest_duration(state), gauge = model.assembly.gauge_length;
   double duration = state.next_step > 0 ? state.next_step : first_duration(state);
   duration = duration > 0.99 * longest ? longest : duration;
-  const double noise = settings.residual_tolerance;
-  const std::vector<double> before = strength_ratios(model, state.links, noise);
+  const std::vector<double> before = ratios_of(model, state.links);
   const double factor_before = strength_factor_now(state);
   BreakageSearch search{0, largest_ratio(before) / factor_before - 1};
   double growth = largest_growth;
@@ -318,7 +320,7 @@ void QuasistaticSolver::step_in_time(QuasistaticState& state)
     }
     QuasistaticState next = state;
     take(next, std::move(trial), false);
-    const std::vector<double> after = strength_ratios(model, next.links, noise);
+    const std::vector<double> after = ratios_of(model, next.links);
     const double factor = strength_factor_now(next);
     std::vector<double> crossing; // share of the step at which each bond reaches its strength
     for (std::size_t b = 0; b < after.size(); ++b)

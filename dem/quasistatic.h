@@ -108,11 +108,6 @@ private:
   ElasticNetwork bond_network_;
 };
 
-/// Ratio of force to strength at the reference rate of each bond; 0 where it is broken. Forces
-/// below a share of the largest are rounding and count as 0.
-std::vector<double> strength_ratios(const QuasistaticModel& model, const Links& links,
-                                    double noise);
-
 /// Displacement and rotation of a particle so far.
 struct BodyMotion {
   Vec3 displacement, rotation;

@@ -117,30 +117,6 @@ QuasistaticState start(const QuasistaticModel& model)
   return state;
 }
 
-std::vector<double> strength_ratios(const QuasistaticModel& model, const Links& links, double noise)
-{
-  const Assembly& assembly = model.assembly;
-  std::vector<double> ratios(assembly.bonds.size(), 0.0);
-  if (!assembly.strengths)
-    return ratios;
-  double largest = 0;
-  const auto normal_of = [&](std::size_t k) { return links.memory_of(k)[0]; };
-  const auto shear_of = [&](std::size_t k) {
-    const double* memory = links.memory_of(k);
-    return std::hypot(memory[links.n_parts], memory[2 * links.n_parts]);
-  };
-  for (std::size_t k = 0; k < links.link.size(); ++k)
-    largest = std::max({largest, std::abs(normal_of(k)), shear_of(k)});
-  const auto ratio = [&](double force, double strength) {
-    return force > noise * largest ? force / strength : 0;
-  };
-  for (std::size_t b = 0; b < ratios.size(); ++b)
-    if (links.link[b].kind == LinkKind::bond)
-      ratios[b] = std::max(ratio(normal_of(b), assembly.strengths->normal[b]),
-                           ratio(shear_of(b), assembly.strengths->shear[b]));
-  return ratios;
-}
-
 BodyMotion motion(const QuasistaticModel& model, const QuasistaticState& state, Index particle)
 {
   return {state.centre[particle] - model.assembly.particles.centre[particle],

@@ -86,6 +86,12 @@ void StaleFactor::restore(const Wear& wear, const LinkDofs& dofs)
   factor_->factorise(wear.factorised->values);
 }
 
+void StaleFactor::begin_anew()
+{
+  wear_.n_fresh = 1;
+  wear_.n_failures = wear_.extra_iterations = 0;
+}
+
 std::optional<Eigen::VectorXd> StaleFactor::solve(const LinkMatrix& matrix,
                                                   const BodyLinks& body_links, const LinkDofs& dofs,
                                                   const Eigen::VectorXd& b, double tolerance,

@@ -41,6 +41,9 @@ public:
   void restore(const Wear& wear, const LinkDofs& dofs);
   const Wear& wear() const { return wear_; }
 
+  /// The next solution begins with a factorisation, whatever came before: that of another volume.
+  void begin_anew();
+
   /// Solves K x = b to a relative residual, or with a stale factor to what pays.
   /// \return nothing if K is not positive definite along a search direction, or without convergence
   std::optional<Eigen::VectorXd> solve(const LinkMatrix& matrix, const BodyLinks& body_links,
