@@ -1,9 +1,5 @@
 #include "coupling/volume_points.h"
 
-#include "dem/mandel.h"
-
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,17 +15,8 @@ using fem::Vec6;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double without_strength = 1e300; ///< overload of a bond of strength 0
 constexpr int n_instants = 8;
 constexpr int deepest_search = 5;
-
-/// Largest absolute principal value.
-double largest_principal(const Vec6& strain)
-{
-  Eigen::SelfAdjointEigenSolver<dem::Mat3> solver;
-  solver.computeDirect(dem::from_mandel(strain), Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().cwiseAbs().maxCoeff();
-}
 
 bool is_instantaneous(const dem::RateLaw& law)
 {
@@ -154,6 +141,8 @@ double VolumePoints::overload()
   double worst = 0;
   for (std::size_t q = 0; q < size(); ++q) {
     overload_[q] = 0;
+    if (is_released_[q])
+      continue;
     if (live_[q]) {
       const Look& look = looks_[q];
       const double way =
@@ -195,21 +184,11 @@ std::vector<dem::BondStatus> VolumePoints::changed_status(std::size_t point, dou
   return status;
 }
 
-/// Overload from which on bonds break together with the most loaded one: within the tolerance of
-/// it, or, far beyond the strength, where its logarithm is down by ten times the tolerance.
-double VolumePoints::least_overload(double largest) const
-{
-  const double tolerance = settings_.breakage_tolerance;
-  if (largest >= without_strength)
-    return without_strength;
-  const double near = (1 - tolerance) * largest;
-  const double beyond = std::pow(largest, 1 - std::min(0.5, 10 * tolerance));
-  return std::max(1 - tolerance, std::min(near, beyond));
-}
-
 void VolumePoints::change(double largest_overload)
 {
-  const double least = largest_overload < infinity ? least_overload(largest_overload) : infinity;
+  const double least = largest_overload < infinity
+                           ? least_overload(largest_overload, settings_.breakage_tolerance)
+                           : infinity;
   const Instant now = instant(0);
   std::vector<std::size_t> points;
   std::vector<std::vector<dem::BondStatus>> status;
@@ -219,6 +198,13 @@ void VolumePoints::change(double largest_overload)
       status.push_back(changed_status(q, least < infinity ? least * factor(q, now) : infinity));
     }
   make_live(points, std::move(status));
+  has_changed_ = true;
+}
+
+void VolumePoints::release(std::span<const std::size_t> points)
+{
+  for (const std::size_t q : points)
+    is_released_[q] = 1;
   has_changed_ = true;
 }
 
@@ -304,7 +290,8 @@ double VolumePoints::share_without_change()
     instants.push_back(instant(double(k) / n_instants));
   double share = 1;
   for (std::size_t q = 0; q < size(); ++q)
-    share = std::min({share, share_until_breakage(q, instants), share_until_opening(q)});
+    if (!is_released_[q])
+      share = std::min({share, share_until_breakage(q, instants), share_until_opening(q)});
   return share;
 }
 

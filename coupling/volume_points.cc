@@ -73,6 +73,7 @@ VolumePoints::VolumePoints(std::vector<VolumeFamily> families, std::vector<int> 
     field->assign(n, Vec6::Zero());
   kelvin_.assign(n * creep_.n_branches(), Vec6::Zero());
   live_.resize(n);
+  is_released_.assign(n, 0);
   looks_.resize(n);
   overload_.assign(n, 0);
   part_ = creep_.part(0);
@@ -210,13 +211,19 @@ std::size_t VolumePoints::n_bonds() const
   return n;
 }
 
-std::vector<std::size_t> VolumePoints::failed() const
+std::size_t VolumePoints::n_failed() const
 {
-  std::vector<std::size_t> points;
-  for (std::size_t q = 0; q < size(); ++q)
-    if (live_[q] && !live_[q]->damage->obstacle.empty())
-      points.push_back(q);
-  return points;
+  return std::size_t(std::ranges::count_if(
+      live_, [](const auto& each) { return each && !each->damage->obstacle.empty(); }));
+}
+
+PointDamage VolumePoints::damage(std::size_t point) const
+{
+  const LiveVolume* volume = live(point);
+  if (!volume)
+    return {};
+  return {true, double(volume->damage->n_broken) / double(family(point).element->n_bonds()),
+          1 - volume->stiffness.trace() / family(point).stiffness().trace(), volume->since};
 }
 
 } // namespace coupling

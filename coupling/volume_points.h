@@ -1,8 +1,8 @@
 #pragma once
+#include "coupling/breaking_points.h"
 #include "coupling/shared_creep.h"
 #include "coupling/strain_window.h"
 #include "dem/safe_region.h"
-#include "fem/material_points.h"
 
 #include <memory>
 #include <optional>
@@ -69,7 +69,7 @@ LiveVolume live_volume(const VolumeFamily& family,
 ///
 /// A point without a change is the law of its intact volume to the last digit: nothing has to be
 /// replayed when its first bond breaks.
-class VolumePoints final : public fem::MaterialPoints {
+class VolumePoints final : public BreakingPoints {
 public:
   /// \param family_of_point  number of the family of each point
   /// \param size_ratio       of each point (see `live_volume`)
@@ -99,17 +99,27 @@ public:
   /// The live volume of a point, if it has one.
   const LiveVolume* live(std::size_t point) const { return live_[point].get(); }
 
-  /// Largest force over present strength among the bonds of a point [-]; at 1 one breaks.
-  double strength_use(std::size_t point) const;
+  double strength_use(std::size_t point) const override;
 
   /// The largest of the hundred points whose upper bound of it is largest.
-  double largest_strength_use() const;
+  double largest_strength_use() const override;
 
-  std::size_t n_live() const { return n_live_; } ///< points with a volume of their own
-  std::size_t n_broken() const;                  ///< bonds that are not intact, of all points
-  std::size_t n_bonds() const;                   ///< of all points
-  /// Points whose volume is a mechanism, and carries nothing any more.
-  std::vector<std::size_t> failed() const;
+  std::size_t n_live() const override { return n_live_; } ///< with a volume of their own
+  std::size_t n_broken() const override;
+  std::size_t n_bonds() const override;
+  std::size_t n_failed() const override; ///< whose volume is a mechanism, and carries nothing
+  PointDamage damage(std::size_t point) const override;
+
+  /// Overload of a point as found last.
+  double overload_of(std::size_t point) const { return overload_[point]; }
+
+  /// What a point without a change is made of at present.
+  const fem::Vec6& elastic_strain(std::size_t point) const { return elastic_[point]; }
+  std::span<const fem::Vec6> kelvin_strains(std::size_t point) const { return kelvin(point); }
+
+  /// Leaves points to somebody else: here they go on as their law, and do not break any more. Time
+  /// stands still, as with `change`.
+  void release(std::span<const std::size_t> points);
 
 private:
   /// An instant of the trial step, and the window of the rate law that ends there.
@@ -129,7 +139,6 @@ private:
   double share_until_opening(std::size_t point) const;
   double crossing(std::size_t point, double from, double to) const;
   fem::Vec6 in_volume(std::size_t point, const fem::Vec6& elastic) const;
-  double least_overload(double largest) const;
   std::span<const fem::Vec6> kelvin(std::size_t point) const;
   std::vector<dem::BondStatus> changed_status(std::size_t point, double at_least) const;
   void make_live(std::span<const std::size_t> points,
@@ -147,6 +156,7 @@ private:
   std::vector<fem::Vec6> jumps_; ///< strain that came in jumps
   std::vector<fem::Vec6> kelvin_;
   std::vector<std::shared_ptr<const LiveVolume>> live_;
+  std::vector<char> is_released_;
   StrainWindow window_;
   std::size_t n_live_ = 0;
   double time_, last_step_ = 0;

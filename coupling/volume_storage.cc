@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t statuses_per_number = 24; ///< two bits each, exact in a double
 constexpr std::size_t n_fields = 5;             ///< of six numbers
-constexpr std::size_t n_scalars = 3;            ///< whether it is live, since when; pace
+constexpr std::size_t n_scalars = 4;            ///< is it live, since when; pace; is it released
 
 std::size_t most_bonds(const std::vector<VolumeFamily>& families)
 {
@@ -42,6 +42,7 @@ void VolumePoints::store(std::size_t point, std::span<double> numbers) const
   *to++ = volume ? 1 : 0;
   *to++ = volume ? volume->since : 0;
   *to++ = pace_;
+  *to++ = is_released_[point];
   if (volume)
     for (std::size_t b = 0; b < volume->damage->status.size(); b += statuses_per_number) {
       double packed = 0, place = 1;
@@ -66,6 +67,7 @@ void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
   const bool is_live = *from++ != 0;
   const double since = *from++;
   pace_ = *from++;
+  is_released_[point] = char(*from++ != 0);
   if (is_live) {
     std::vector<dem::BondStatus> status(family(point).element->n_bonds());
     for (std::size_t b = 0; b < status.size(); b += statuses_per_number) {

@@ -202,7 +202,9 @@ constexpr double ground_share = 1e-4;
 /// Forces that count, over those of contacts that take up all of the strain.
 constexpr double least_force_share = 1e-2;
 constexpr double first_hold = 1e-3, largest_hold = 1e3;
-constexpr int most_passages = 60;
+constexpr int most_passages = 100;
+/// Out-of-balance force within a passage, over that of the settings.
+constexpr double passage_looseness = 100;
 
 /// Viscous hold of each body over a step [N/m]: of all of them, and of those that no endless
 /// cluster of bonds carries.
@@ -241,6 +243,7 @@ std::optional<VolumeFollower::Found> VolumeFollower::attempt(const QuasistaticVo
                                                              double hold_everything)
 {
   const QuasistaticVolume& v = *volume_;
+  const double looseness = hold_everything > 0 ? passage_looseness : 1;
   const int n_parts = from.links.n_parts;
   const std::vector<LawStep> laws =
       law_steps(v.assembly, StepScheme::force_linear, duration, n_parts);
@@ -259,7 +262,7 @@ std::optional<VolumeFollower::Found> VolumeFollower::attempt(const QuasistaticVo
       Eigen::VectorXd::Zero(v.dofs.n_dofs),
       {},
       0,
-      v.settings.residual_tolerance,
+      looseness * v.settings.residual_tolerance,
       stiffness,
       increment,
       least_force_share * stiffness * (from.strain + increment).norm() *

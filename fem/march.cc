@@ -26,6 +26,21 @@ void attempt(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
   state.n_assemblies += report.assembled;
 }
 
+/// The same; false if some point found no state of its own, on all ranks alike.
+template <int dim>
+bool try_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
+              const LoadState& load, double duration, double reduced_step)
+{
+  try {
+    attempt(specimen, points, state, load, duration, reduced_step);
+    return true;
+  } catch (const NoEquilibrium&) {
+    if (dealii::Utilities::MPI::max(int(points.has_lost()), specimen.elements().ranks()) == 0)
+      throw;
+    return false;
+  }
+}
+
 /// Estimated error of the step that was tried, over the largest size so far, on all ranks [-].
 template <int dim>
 double step_error(const Specimen<dim>& specimen, const MaterialPoints& points, double& largest)
@@ -123,7 +138,8 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
     settle(specimen, points, state, history);
     return;
   }
-  constexpr double least_share = 1e-12; // of the way to the stop
+  constexpr double least_share = 1e-12;      // of the way to the stop
+  constexpr double least_share_found = 1e-6; // where points lose their equilibrium
   const double way = stop - state.time;
   double h = state.next_step > 0 ? state.next_step : settings.first_step;
   h = step_within(h, way);
@@ -131,8 +147,16 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
     const bool last = h == way;
     const double end = last ? stop : state.time + h;
     const LoadState load = last ? history.load_before(stop) : history.load(end);
-    attempt(specimen, points, state, load, h,
-            history.reduced_time(end) - history.reduced_time(state.time));
+    const bool found = try_step(specimen, points, state, load, h,
+                                history.reduced_time(end) - history.reduced_time(state.time));
+    if (!found) {
+      ++state.n_rejected;
+      h *= 0.25;
+      state.has_lost = !(h > least_share_found * way);
+      if (state.has_lost)
+        return;
+      continue;
+    }
     double size = state.size;
     const double error = step_error(specimen, points, size);
     if (error <= settings.tolerance) {

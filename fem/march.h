@@ -42,6 +42,8 @@ void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
 /// One accepted step towards a time, and not beyond it; steps whose estimated error is above the
 /// tolerance are tried again at a smaller size. A step ends where a point changes; what follows
 /// from that at the same instant is done, too. If the state is not settled, nothing but that is.
+/// Steps in which a point finds no state of its own are tried smaller, down to a millionth of the
+/// way; then equilibrium is lost (`has_lost`).
 /// \throws std::runtime_error naming the time, if no step is small enough or one does not converge
 template <int dim>
 void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,

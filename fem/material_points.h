@@ -62,6 +62,9 @@ public:
   /// stands still. The next step must be a jump, which restores equilibrium.
   virtual void change(double /*largest_overload*/) {}
 
+  /// Whether some point has found no state of its own in the trial step: a smaller one may do.
+  virtual bool has_lost() const { return false; }
+
   virtual std::span<const Vec6> stress() const = 0; ///< committed [Pa]
   virtual std::span<const Vec6> strain() const = 0; ///< committed [-]
 

@@ -243,7 +243,7 @@ StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
     const double size = std::hypot(
         residual.l2_norm(), supports_.driven ? drive_residual / supports_.drive.l2_norm() : 0.);
     if (!std::isfinite(size))
-      throw std::runtime_error("forces are no numbers any more");
+      throw NoEquilibrium("forces are no numbers any more");
     report.residual = in_play > 0 ? size / in_play : 0;
     if (report.residual <= tolerance_)
       return report;
@@ -263,9 +263,9 @@ StepReport Specimen<dim>::solve_step(const LoadState& load, double step,
       increment_.add(further, mode_);
     }
   }
-  throw std::runtime_error(fmt::format("no equilibrium in {} Newton steps: residual {:.3g} of the "
-                                       "forces in play, wanted {:.3g}",
-                                       most_newton_steps, report.residual, tolerance_));
+  throw NoEquilibrium(fmt::format("no equilibrium in {} Newton steps: residual {:.3g} of the "
+                                  "forces in play, wanted {:.3g}",
+                                  most_newton_steps, report.residual, tolerance_));
 }
 
 template <int dim>

@@ -4,6 +4,7 @@
 #include "fem/supports.h"
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,11 @@ struct StepReport {
   double residual = 0;    ///< over the forces in play [-]
 };
 
+/// Newton's method has not converged, or forces are no numbers; thrown on all ranks alike.
+struct NoEquilibrium : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// A body of finite elements and its displacement. It asks one function for stress and tangent and
 /// never sees a state.
 template <int dim>
@@ -56,7 +62,7 @@ public:
   /// Finds the displacement increment of a step: Newton's method on the residual of total forces;
   /// one solve where the stress is affine in the strain. Nothing is committed.
   /// \param step  of reduced time [s]
-  /// \throws std::runtime_error if it does not converge
+  /// \throws NoEquilibrium if it does not converge
   StepReport solve_step(const LoadState& load, double step, const ConstitutiveUpdate& update);
 
   /// Takes over the increment of the last step.
