@@ -24,7 +24,7 @@ std::vector<double> gathered(MPI_Comm ranks, const std::vector<double>& own)
 } // namespace
 
 template <int dim>
-BodyDamage body_damage(const fem::Elements<dim>& elements, const coupling::VolumePoints& points)
+BodyDamage body_damage(const fem::Elements<dim>& elements, const coupling::BreakingPoints& points)
 {
   std::vector<double> vertices;
   for (const auto& cell : elements.dofs().active_cell_iterators())
@@ -48,7 +48,7 @@ void write_damage(dem::Hdf5File& file, const BodyDamage& damage)
     file.write("damage/" + field.name, field.values, field.name.ends_with("_s") ? "s" : "1");
 }
 
-template BodyDamage body_damage(const fem::Elements<2>&, const coupling::VolumePoints&);
-template BodyDamage body_damage(const fem::Elements<3>&, const coupling::VolumePoints&);
+template BodyDamage body_damage(const fem::Elements<2>&, const coupling::BreakingPoints&);
+template BodyDamage body_damage(const fem::Elements<3>&, const coupling::BreakingPoints&);
 
 } // namespace apps

@@ -16,7 +16,7 @@ struct BodyDamage {
 
 /// All cells on the first rank; nothing on the others.
 template <int dim>
-BodyDamage body_damage(const fem::Elements<dim>& elements, const coupling::VolumePoints& points);
+BodyDamage body_damage(const fem::Elements<dim>& elements, const coupling::BreakingPoints& points);
 
 /// Stores it under the group "damage".
 void write_damage(dem::Hdf5File& file, const BodyDamage& damage);

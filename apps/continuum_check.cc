@@ -57,9 +57,13 @@ void check_volumes(const Scene& scene, Findings& findings)
     findings.error("Body/Section", "a volume is not the same around an axis; use solid");
   if (!breaks(v))
     return;
-  if (scene.after_breakage == dem::AfterBreakage::friction)
-    findings.error("Bonds/After breakage", "volumes in a body know no friction; use pressed or "
-                                           "leave");
+  const bool followed = v.volumes.solver == VolumeSolver::quasistatic;
+  if (!followed && scene.after_breakage == dem::AfterBreakage::friction)
+    findings.error("Bonds/After breakage", "volumes know friction with Volumes/Solver = "
+                                           "quasistatic only; else use pressed or leave");
+  if (followed && v.volumes.softening != SofteningChoice::as_it_is)
+    findings.error("Volumes/Softening", "volumes of the solver quasistatic are as large as their "
+                                        "elements: use as it is");
   if (scene.strength.kind == StrengthKind::none)
     findings.error("Strength/Distribution", "bonds that do not break need Material = law only");
   if (!v.refinement_times.empty())

@@ -119,6 +119,12 @@ void declare_volumes(Schema& s, ContinuumInput::Volumes& v)
   s.integer("Families", v.n_families, "1", between(0, 1000000),
             "Different volumes, with packings and strengths from Specimen/Seed and Strength/Seed "
             "on, dealt to the points at random. 0: each point has one of its own.");
+  s.choice<VolumeSolver>(
+      "Solver", v.solver,
+      {{"events", VolumeSolver::events}, {"quasistatic", VolumeSolver::quasistatic}}, "events",
+      "events: the closed form, for bonds that share one law and small motion, without friction. "
+      "quasistatic: friction, new contacts, finite motion inside the volumes (section "
+      "Quasistatic), and bonds of several laws with Material = all live; many times the work.");
   s.choice<SofteningChoice>(
       "Softening", v.softening,
       {{"scaled", SofteningChoice::scaled}, {"as it is", SofteningChoice::as_it_is}}, "scaled",

@@ -22,6 +22,7 @@ enum class MaterialChoice {
   adaptive, ///< volume elements that break; on their law until they do
   all_live  ///< volume elements that break, every one looked at in every step
 };
+enum class VolumeSolver { events, quasistatic };
 enum class SofteningChoice { scaled, as_it_is };
 enum class TimeSchemeChoice { automatic, stress_linear, strain_linear };
 
@@ -66,6 +67,7 @@ struct ContinuumInput {
   struct Volumes {
     long n_particles; ///< of a volume
     long n_families;  ///< 0: a volume of its own for each point
+    VolumeSolver solver;
     SofteningChoice softening;
     double breakage_tolerance;
   } volumes;

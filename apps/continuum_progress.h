@@ -30,9 +30,9 @@ struct ContinuumInProgress {
 
   std::optional<fem::Specimen<dim>> specimen{};
   std::unique_ptr<fem::MaterialPoints> points{};
-  const coupling::VolumePoints* volumes = nullptr; ///< the points, if they are volumes that break
+  const coupling::BreakingPoints* volumes = nullptr; ///< the points, if they are volumes that break
   std::vector<int> law_of_point{};
-  std::string size_ratios{}; ///< of volumes over their elements, on this rank, as a text
+  std::string volume_sizes{}; ///< on this rank, as a text
   std::optional<fem::Probes<dim>> probes{};
   fem::MarchState march{};
   double elastic_compliance = 0;         ///< of the platens [m/N]

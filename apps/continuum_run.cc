@@ -88,7 +88,9 @@ std::vector<Column> modulus(const ContinuumInProgress<dim>& run)
 {
   const Scene& scene = *run.scene.scene;
   const std::vector<double>& frequencies = scene.output.frequencies;
-  if (!has_platens(scene) || has_temperature_history(scene) || frequencies.empty())
+  const fem::ComplianceLaw& first = run.laws.laws.front();
+  const bool is_elastic = run.volumes && first.terms.empty() && first.fluidity.isZero(0);
+  if (!has_platens(scene) || has_temperature_history(scene) || frequencies.empty() || is_elastic)
     return {};
   std::vector<double> omegas;
   const double shift = 1 / run.history.reduced_time(1);
@@ -259,15 +261,8 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
                              ? fmt::format("; {} rigid motion(s) held at single nodes",
                                            run.specimen->supports().n_pins)
                              : ""));
-  if (run.volumes && run.volumes->size() > 0) {
-    const coupling::VolumeFamily& first = run.volumes->family(0);
-    say(ranks, fmt::format("  points are volumes of {} spheres and {} bonds, {:.3g} mm wide, {} "
-                           "times the size of their elements{}",
-                           first.element->element().particles.size(), first.element->n_bonds(),
-                           1e3 * std::cbrt(first.element->volume()), run.size_ratios,
-                           scene.continuum.volumes.softening == SofteningChoice::scaled
-                               ? ""
-                               : " (softening as it is)"));
+  if (!run.volume_sizes.empty()) {
+    say(ranks, "  points are volumes of " + run.volume_sizes);
     if (const std::string estimates = estimated_keys(loaded); !estimates.empty())
       say(ranks, "  preset 'estimate': estimates, not the paper's tables, stand for " + estimates);
   }

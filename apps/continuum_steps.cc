@@ -112,19 +112,15 @@ void make_points(ContinuumInProgress<dim>& run)
   else {
     BodyVolumes volumes = make_volumes(run.scene, run.ranks, run.specimen->elements(), run.packings,
                                        run.n_threads, run.trial);
-    run.laws = laws_of(scene, volumes.families);
+    run.laws = laws_of(scene, volumes);
     run.law_of_point = volumes.family_of_point;
     if (breaks(scene.continuum)) {
-      const auto [least, most] = std::ranges::minmax(volumes.size_ratio);
-      run.size_ratios = most < 1.01 * least ? fmt::format("{:.2g}", most)
-                                            : fmt::format("{:.2g} to {:.2g}", least, most);
+      run.volume_sizes = size_text(scene, volumes);
       constexpr double moment = 1e-6; // [s]
       const auto reduced = reduced_time(scene, run.laws);
       const double begin = run.march.time;
       const double pace = (reduced(begin + moment) - reduced(begin)) / moment;
-      auto points = std::make_unique<coupling::VolumePoints>(
-          std::move(volumes.families), std::move(volumes.family_of_point),
-          std::move(volumes.size_ratio), volume_settings(scene, run.n_threads, pace), begin);
+      auto points = breaking_points(scene, std::move(volumes), run.n_threads, begin, pace);
       run.volumes = points.get();
       run.points = std::move(points);
       return;
@@ -196,7 +192,10 @@ fem::Vec3 most_strained_place(const ContinuumInProgress<dim>& run)
   for (const auto& cell : elements.dofs().active_cell_iterators())
     if (cell->is_locally_owned())
       for (std::size_t k = 0; k < elements.points_per_cell(); ++k, ++q)
-        if (const double strain = run.points->strain()[q].norm(); strain > most) {
+        if (const double strain = run.volumes && run.volumes->is_lost(q)
+                                      ? std::numeric_limits<double>::infinity()
+                                      : run.points->strain()[q].norm();
+            strain > most) {
           most = strain;
           for (int c = 0; c < dim; ++c)
             place[c] = cell->center()[unsigned(c)];

@@ -45,8 +45,41 @@ std::vector<std::uint64_t> seed_offsets(const fem::Elements<dim>& elements, long
   return offsets;
 }
 
-coupling::VolumeFamily make_one(const LoadedScene& loaded, PackingStore& store,
-                                std::uint64_t offset)
+dem::Strengths strengths_of(const Scene& scene, const dem::VolumeElement& element,
+                            std::uint64_t offset)
+{
+  if (breaks(scene.continuum))
+    return drawn_strengths(scene, element.bonds.id, std::uint64_t(scene.strength.seed) + offset);
+  const std::vector<double> endless(element.bonds.size(), std::numeric_limits<double>::infinity());
+  return {endless, endless, 0};
+}
+
+bool is_followed(const Scene& scene)
+{
+  return breaks(scene.continuum) && scene.continuum.volumes.solver == VolumeSolver::quasistatic;
+}
+
+coupling::QuasistaticPoints::Volume followed_volume(const Scene& scene, dem::VolumeElement element,
+                                                    dem::Strengths strengths)
+{
+  dem::QuasistaticSettings settings = scene.quasistatic;
+  settings.after_breakage = scene.after_breakage;
+  settings.friction = scene.friction;
+  auto volume = std::make_shared<const dem::QuasistaticVolume>(
+      dem::make_quasistatic_volume(std::move(element), std::move(strengths), settings));
+  if (!volume->creep && scene.continuum.body.material != MaterialChoice::all_live)
+    throw std::invalid_argument("Body/Material: bonds of several laws have no common law to start "
+                                "from; use all live");
+  return volume;
+}
+
+/// A volume as the scene says, for each solver that needs it.
+struct OneVolume {
+  std::optional<coupling::VolumeFamily> family;
+  coupling::QuasistaticPoints::Volume followed;
+};
+
+OneVolume make_one(const LoadedScene& loaded, PackingStore& store, std::uint64_t offset)
 {
   const Scene& scene = *loaded.scene;
   const bool grown = scene.element.source == ElementSource::grow;
@@ -55,16 +88,23 @@ coupling::VolumeFamily make_one(const LoadedScene& loaded, PackingStore& store,
                    {grown ? std::size_t(scene.continuum.volumes.n_particles) : 0,
                     std::uint64_t(scene.specimen.seed) + offset, false},
                    store);
-  dem::Strengths strengths;
-  const bool can_break = breaks(scene.continuum);
-  if (!can_break) {
-    strengths.normal.assign(element.bonds.size(), std::numeric_limits<double>::infinity());
-    strengths.shear = strengths.normal;
-  } else
-    strengths =
-        drawn_strengths(scene, element.bonds.id, std::uint64_t(scene.strength.seed) + offset);
-  return coupling::make_family(std::move(element), std::move(strengths),
-                               can_break ? scene.after_breakage : dem::AfterBreakage::leave);
+  dem::Strengths strengths = strengths_of(scene, element, offset);
+  OneVolume result;
+  if (is_followed(scene))
+    result.followed = followed_volume(scene, element, strengths);
+  if (!result.followed || result.followed->creep) {
+    const bool bare = !breaks(scene.continuum) || is_followed(scene); // they end at a breakage
+    result.family = coupling::make_family(std::move(element), std::move(strengths),
+                                          bare ? dem::AfterBreakage::leave : scene.after_breakage);
+  }
+  return result;
+}
+
+double edge_of(const BodyVolumes& volumes, std::size_t point)
+{
+  const auto k = std::size_t(volumes.family_of_point[point]);
+  return std::cbrt(volumes.families.empty() ? volumes.followed[k]->element.cell.volume()
+                                            : volumes.families[k].element->volume());
 }
 
 /// Edges of the points' elements: of the cell, over the order of its functions [m].
@@ -105,14 +145,19 @@ BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
   PackingStore store{ranks.first() ? packings : std::filesystem::path(), {}}; // one writer
   if (!store.folder.empty())
     make_folder(store.folder);
-  result.families.resize(needed.size());
+  std::vector<OneVolume> made(needed.size());
   dem::for_each_realisation(int(needed.size()), n_threads, [&](int k) {
-    result.families[std::size_t(k)] = make_one(loaded, store, needed[std::size_t(k)]);
+    made[std::size_t(k)] = make_one(loaded, store, needed[std::size_t(k)]);
   });
+  for (OneVolume& each : made) {
+    if (each.family)
+      result.families.push_back(std::move(*each.family));
+    if (each.followed)
+      result.followed.push_back(std::move(each.followed));
+  }
   const std::vector<double> edges = point_edges(elements);
   for (std::size_t q = 0; q < edges.size(); ++q) {
-    const double edge =
-        std::cbrt(result.families[std::size_t(result.family_of_point[q])].element->volume());
+    const double edge = edge_of(result, q);
     result.size_ratio.push_back(v.softening == SofteningChoice::scaled ? edge / edges[q] : 1);
     const double ratio = edge / edges[q];
     if (v.softening == SofteningChoice::as_it_is && breaks(scene.continuum) &&
@@ -125,16 +170,35 @@ BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
   return result;
 }
 
-BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& families)
+namespace {
+
+/// The law of a volume whose bonds follow several laws, at the instant of a load.
+fem::ComplianceLaw elastic_law(const dem::QuasistaticVolume& volume)
+{
+  const auto elastic = dem::VolumeFollower(volume).step(dem::at_rest(volume), fem::Vec6::Zero(), 0);
+  if (!elastic)
+    throw std::invalid_argument("a volume has no equilibrium at rest");
+  return coupling::proportional_law(dem::compliance(elastic->tangent),
+                                    dem::make_creep_law(1, std::nullopt, {}));
+}
+
+} // namespace
+
+BodyLaws laws_of(const Scene& scene, const BodyVolumes& volumes)
 {
   BodyLaws laws;
-  for (const coupling::VolumeFamily& family : families) {
+  const bool exact = !volumes.families.empty();
+  const std::size_t n = exact ? volumes.families.size() : volumes.followed.size();
+  for (std::size_t k = 0; k < n; ++k) {
     fem::LawRecord record;
-    record.law =
-        coupling::proportional_law(dem::compliance(family.stiffness()), family.element->creep());
+    record.law = exact
+                     ? coupling::proportional_law(dem::compliance(volumes.families[k].stiffness()),
+                                                  volumes.families[k].element->creep())
+                     : elastic_law(*volumes.followed[k]);
     record.reference_temperature = scene.temperature.reference;
     record.last_time = 1e30; // exact for all times
-    record.provenance.push_back("exact, of an intact volume of the run");
+    record.provenance.push_back(exact ? "exact, of an intact volume of the run"
+                                      : "elastic part, of an intact volume of the run");
     laws.laws.push_back(record.law);
     laws.records.push_back(std::move(record));
     laws.region.emplace_back();
@@ -142,19 +206,52 @@ BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& 
   return laws;
 }
 
-coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads, double first_pace)
+std::unique_ptr<coupling::BreakingPoints> breaking_points(const Scene& scene, BodyVolumes volumes,
+                                                          int n_threads, double start,
+                                                          double first_pace)
 {
-  return {scene.continuum.body.material == MaterialChoice::all_live ? coupling::VolumeUse::all_live
-                                                                    : coupling::VolumeUse::adaptive,
-          scene.strength.rate_law, scene.continuum.volumes.breakage_tolerance, n_threads,
-          first_pace};
+  coupling::VolumeSettings settings{coupling::VolumeUse::adaptive, scene.strength.rate_law,
+                                    scene.continuum.volumes.breakage_tolerance, n_threads,
+                                    first_pace};
+  const bool all_live = scene.continuum.body.material == MaterialChoice::all_live;
+  const std::vector<int> numbers = volumes.family_of_point;
+  std::optional<coupling::VolumePoints> law;
+  if (volumes.followed.empty() || !all_live) {
+    if (all_live)
+      settings.use = coupling::VolumeUse::all_live;
+    law.emplace(std::move(volumes.families), numbers, std::move(volumes.size_ratio), settings,
+                start);
+  }
+  if (volumes.followed.empty())
+    return std::make_unique<coupling::VolumePoints>(std::move(*law));
+  return std::make_unique<coupling::QuasistaticPoints>(std::move(volumes.followed), numbers,
+                                                       settings, start, std::move(law));
 }
 
-VolumeReading volume_reading(const coupling::VolumePoints& points, const Ranks& ranks, double time)
+std::string size_text(const Scene& scene, const BodyVolumes& volumes)
+{
+  if (volumes.family_of_point.empty())
+    return "";
+  const auto k = std::size_t(volumes.family_of_point[0]);
+  const dem::VolumeElement& first = volumes.families.empty()
+                                        ? volumes.followed[k]->element
+                                        : volumes.families[k].element->element();
+  const auto [least, most] = std::ranges::minmax(volumes.size_ratio);
+  const std::string ratios = most < 1.01 * least ? fmt::format("{:.2g}", most)
+                                                 : fmt::format("{:.2g} to {:.2g}", least, most);
+  const bool scaled = scene.continuum.volumes.softening == SofteningChoice::scaled;
+  return fmt::format("{} spheres and {} bonds, {:.3g} mm wide, {} times the size of their "
+                     "elements{}",
+                     first.particles.size(), first.bonds.size(), 1e3 * edge_of(volumes, 0), ratios,
+                     scaled ? "" : " (softening as it is)");
+}
+
+VolumeReading volume_reading(const coupling::BreakingPoints& points, const Ranks& ranks,
+                             double time)
 {
   double use = points.largest_strength_use();
   double sums[] = {double(points.n_broken()), double(points.n_bonds()), double(points.n_live()),
-                   double(points.size()), double(points.failed().size())};
+                   double(points.size()), double(points.n_failed())};
   MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, ranks.all());
   MPI_Allreduce(MPI_IN_PLACE, &use, 1, MPI_DOUBLE, MPI_MAX, ranks.all());
   return {time, sums[0], sums[1], sums[2], sums[3], use, sums[4]};
@@ -180,7 +277,7 @@ std::vector<Column> volume_columns(const std::vector<VolumeReading>& readings)
   return columns;
 }
 
-std::vector<fem::CellField> volume_fields(const coupling::VolumePoints& points,
+std::vector<fem::CellField> volume_fields(const coupling::BreakingPoints& points,
                                           std::size_t points_per_cell)
 {
   std::vector<fem::CellField> fields{{"live_share", {}},
@@ -192,13 +289,12 @@ std::vector<fem::CellField> volume_fields(const coupling::VolumePoints& points,
     double live = 0, broken = 0, use = 0, loss = 0, since = std::numeric_limits<double>::infinity();
     for (std::size_t q = first; q < first + points_per_cell; ++q) {
       use = std::max(use, points.strength_use(q));
-      const coupling::LiveVolume* volume = points.live(q);
-      if (!volume)
-        continue;
-      ++live;
-      broken += double(volume->damage->n_broken) / double(points.family(q).element->n_bonds());
-      loss += 1 - volume->stiffness.trace() / points.family(q).stiffness().trace();
-      since = std::min(since, volume->since);
+      const coupling::PointDamage damage = points.damage(q);
+      live += damage.is_live ? 1 : 0;
+      broken += damage.broken_share;
+      loss += damage.stiffness_loss;
+      if (damage.broken_share > 0)
+        since = std::min(since, damage.since);
     }
     const double n = double(points_per_cell);
     const double row[] = {live / n, broken / n, use, loss / n, std::isfinite(since) ? since : -1};

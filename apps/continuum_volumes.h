@@ -2,7 +2,7 @@
 #include "apps/continuum_body.h"
 #include "apps/ranks.h"
 #include "apps/run_record.h"
-#include "coupling/volume_points.h"
+#include "coupling/quasistatic_points.h"
 #include "fem/field_files.h"
 
 #include <filesystem>
@@ -12,7 +12,9 @@ namespace apps {
 
 /// The volumes of a body on a rank: the different ones, and which of them each point is.
 struct BodyVolumes {
-  std::vector<coupling::VolumeFamily> families;
+  std::vector<coupling::VolumeFamily> families; ///< empty if bonds follow several laws
+  std::vector<coupling::QuasistaticPoints::Volume>
+      followed; ///< by the quasi-static solver, or none
   std::vector<int> family_of_point;
   std::vector<double> size_ratio; ///< edge of the volume over that of the point's element
 };
@@ -27,11 +29,18 @@ BodyVolumes make_volumes(const LoadedScene& scene, const Ranks& ranks,
                          const fem::Elements<dim>& elements, const std::filesystem::path& packings,
                          int n_threads, bool trial);
 
-/// The exact laws of intact volumes.
-BodyLaws laws_of(const Scene& scene, const std::vector<coupling::VolumeFamily>& families);
+/// The exact laws of intact volumes; their elastic parts only, if bonds follow several laws.
+BodyLaws laws_of(const Scene& scene, const BodyVolumes& volumes);
 
+/// The points of a body whose volumes break, in the virgin state.
+/// \param start       [s]
 /// \param first_pace  reduced time over real time at the start [-]
-coupling::VolumeSettings volume_settings(const Scene& scene, int n_threads, double first_pace);
+std::unique_ptr<coupling::BreakingPoints> breaking_points(const Scene& scene, BodyVolumes volumes,
+                                                          int n_threads, double start,
+                                                          double first_pace);
+
+/// How large the volumes are, as users read it.
+std::string size_text(const Scene& scene, const BodyVolumes& volumes);
 
 /// What the volumes of a body show at a time, over all ranks.
 struct VolumeReading {
@@ -43,14 +52,15 @@ struct VolumeReading {
   double strength_use; ///< largest force over present strength of a bond [-]
   double n_failed;     ///< points whose volume is a mechanism
 };
-VolumeReading volume_reading(const coupling::VolumePoints& points, const Ranks& ranks, double time);
+VolumeReading volume_reading(const coupling::BreakingPoints& points, const Ranks& ranks,
+                             double time);
 
 /// Readings as users read them.
 std::vector<Column> volume_columns(const std::vector<VolumeReading>& readings);
 
 /// What to show of the volumes in each cell of a rank: share of live points and of broken bonds,
 /// largest strength use, loss of stiffness, time of the first breakage.
-std::vector<fem::CellField> volume_fields(const coupling::VolumePoints& points,
+std::vector<fem::CellField> volume_fields(const coupling::BreakingPoints& points,
                                           std::size_t points_per_cell);
 
 } // namespace apps

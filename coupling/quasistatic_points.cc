@@ -2,6 +2,8 @@
 
 #include "dem/realisations.h"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -47,6 +49,19 @@ double largest(std::span<const double> ratios)
   return ratios.empty() ? 0 : std::min(std::ranges::max(ratios), without_strength);
 }
 
+/// The shortest time in which a bond creeps by as much as it is strained [s].
+double shortest_time(const std::vector<dem::BondLaw>& laws)
+{
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const dem::BondLaw& law : laws) {
+    if (law.creep.maxwell_viscosity)
+      shortest = std::min(shortest, *law.creep.maxwell_viscosity / law.creep.maxwell_stiffness);
+    for (const dem::KelvinBranch& branch : law.creep.branches)
+      shortest = std::min(shortest, branch.viscosity / law.creep.maxwell_stiffness);
+  }
+  return shortest;
+}
+
 bool hangs_together(const QuasistaticVolume& volume, const QuasistaticVolumeState& state)
 {
   std::vector<dem::BondStatus> status(volume.assembly.bonds.size());
@@ -65,7 +80,8 @@ QuasistaticPoints::QuasistaticPoints(std::vector<Volume> volumes, std::vector<in
                                      std::optional<VolumePoints> law)
     : volumes_(std::move(volumes)), volume_of_point_(std::move(volume_of_point)),
       settings_(settings), law_(std::move(law)),
-      record_(volume_of_point_.size(), settings.rate_law, start), idle_(std::make_shared<Idle>())
+      record_(volume_of_point_.size(), settings.rate_law, start), idle_(std::make_shared<Idle>()),
+      pace_(settings.first_pace)
 {
   const std::size_t n = size();
   state_.resize(n);
@@ -161,8 +177,25 @@ fem::StepError QuasistaticPoints::step_error(std::span<const double> weights) co
   return error;
 }
 
+/// Rate at which a point creeps under its stress: what the stress loses while the strain is held.
+Vec6 QuasistaticPoints::creep_rate(std::size_t point) const
+{
+  constexpr double share = 0.01; // of the time in which something happens
+  const double moment = share * shortest_time(volume(point).assembly.laws);
+  if (!std::isfinite(moment))
+    return Vec6::Zero();
+  const auto held = step_of(point, Vec6::Zero(), moment);
+  if (!held)
+    return Vec6::Zero();
+  const Vec6 lost = state_[point]->stress - held->state.stress;
+  const Vec6 rate = pace_ / moment * held->tangent.ldlt().solve(lost);
+  return rate.allFinite() ? rate : Vec6::Zero();
+}
+
 void QuasistaticPoints::commit()
 {
+  if (step_ > 0)
+    pace_ = step_ / record_.duration();
   for (std::size_t q = 0; q < size(); ++q)
     if (state_[q] && trial_[q]) { // what was lost stays as it was
       n_passages_ += trial_[q]->n_passages;
@@ -181,6 +214,12 @@ void QuasistaticPoints::commit()
   }
   has_changed_ = false;
   step_ = 0;
+  if (!record_.is_instantaneous())
+    return;
+  dem::for_each_realisation(int(size()), settings_.n_threads, [&](int k) {
+    if (const auto q = std::size_t(k); state_[q])
+      record_.set_rate(q, creep_rate(q));
+  });
 }
 
 double QuasistaticPoints::share_without_change()

@@ -72,6 +72,7 @@ private:
   struct Idle; ///< followers that nobody uses at present
   std::optional<dem::QuasistaticVolumeStep> step_of(std::size_t point, const fem::Vec6& increment,
                                                     double duration) const;
+  fem::Vec6 creep_rate(std::size_t point) const;
   void follow(std::span<const std::size_t> points);
   std::size_t numbers_of_state() const;
 
@@ -86,8 +87,8 @@ private:
   std::vector<std::shared_ptr<const dem::QuasistaticVolumeState>> state_; ///< of those followed
   std::vector<double> since_;                                             ///< first breakage [s]
   std::vector<fem::Vec6> stress_;
-  double last_step_ = 0;
-  bool has_changed_ = false; ///< since the last commit
+  double last_step_ = 0, pace_; ///< [s]; reduced over real time of the last step
+  bool has_changed_ = false;    ///< since the last commit
   long n_passages_ = 0;
 
   double step_ = 0; ///< of the trial, in reduced time [s]

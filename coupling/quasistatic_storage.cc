@@ -13,8 +13,8 @@ using dem::QuasistaticVolumeState;
 
 namespace {
 
-constexpr std::size_t numbers_per_link = 19; ///< and its memory
-constexpr std::size_t n_scalars = 3;         ///< whether it is followed, since when, how many links
+constexpr std::size_t numbers_per_link = 19;  ///< and its memory
+constexpr std::size_t n_scalars = 4;          ///< is it followed, since when, number of links; pace
 constexpr std::size_t near_per_particle = 10; ///< pairs that are near each other, bonded or not
 
 class Writer {
@@ -165,6 +165,7 @@ void QuasistaticPoints::store(std::size_t point, std::span<double> numbers) cons
   to.number(state ? 1 : 0);
   to.number(since_[point]);
   to.number(double(n_links));
+  to.number(pace_);
   to.matrix(stress_[point]);
   std::size_t place = n_scalars + 6;
   record_.store(point, numbers.subspan(place, record_.numbers_per_point()));
@@ -185,6 +186,7 @@ void QuasistaticPoints::restore(std::size_t point, std::span<const double> numbe
   const bool is_followed = from.number() != 0;
   since_[point] = from.number();
   const auto n_links = std::size_t(from.number());
+  pace_ = from.number();
   from.matrix(stress_[point]);
   std::size_t place = n_scalars + 6;
   record_.restore(point, numbers.subspan(place, record_.numbers_per_point()));

@@ -10,6 +10,16 @@ namespace coupling {
 
 using fem::Vec6;
 
+namespace {
+
+/// Whether a span of time is more than rounding.
+bool is_span(double span, double time)
+{
+  return span > 1e-14 * std::abs(time);
+}
+
+} // namespace
+
 StrainRecord::StrainRecord(std::size_t n_points, const dem::RateLaw& rate_law, double start)
     : rate_law_(rate_law), start_(start), time_(start), window_(n_points)
 {
@@ -46,19 +56,27 @@ void StrainRecord::commit(bool after_change)
     std::vector<Vec6> smooth(strain_.size());
     for (std::size_t q = 0; q < strain_.size(); ++q)
       smooth[q] = strain_[q] - jumps_[q];
-    const double window = std::max(rate_law_.window, rate_law_.window_fraction * (time_ - start_));
-    window_.append(time_, smooth, std::max(start_, time_ - window));
+    window_.append(time_, smooth, window_start(time_));
   }
   duration_ = 0;
 }
 
+double StrainRecord::window_start(double time) const
+{
+  const double fraction = rate_law_.window_fraction * (time - start_);
+  return std::max(start_, time - std::max(rate_law_.window, fraction));
+}
+
+bool StrainRecord::is_instantaneous() const
+{
+  return !is_span(time_ - window_start(time_), time_);
+}
+
 Vec6 StrainRecord::smooth_rate(std::size_t point, double share) const
 {
-  const double time = time_ + share * duration_;
-  const double window = std::max(rate_law_.window, rate_law_.window_fraction * (time - start_));
-  const double from = std::max(start_, time - window), span = time - from;
-  if (!(span > 1e-14 * std::abs(time)))
-    return duration_ > 0 ? Vec6(increment_[point] / duration_) : rate_[point];
+  const double time = time_ + share * duration_, from = window_start(time), span = time - from;
+  if (!is_span(span, time))
+    return share > 0 && duration_ > 0 ? Vec6(increment_[point] / duration_) : rate_[point];
   const auto smooth = [&](double s) {
     return Vec6(strain_[point] - jumps_[point] + s * increment_[point]);
   };

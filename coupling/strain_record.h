@@ -25,6 +25,13 @@ public:
   double time() const { return time_; }                               ///< committed [s]
   double duration() const { return duration_; }                       ///< of the trial step [s]
 
+  /// Whether strengths see the rate of the instant, as no window has passed yet or none is asked
+  /// for.
+  bool is_instantaneous() const;
+
+  /// The rate of the instant [1/s], where a jump or a step does not tell it.
+  void set_rate(std::size_t point, const fem::Vec6& rate) { rate_[point] = rate; }
+
   /// Factor of the strengths of a point at a share of the trial step [-].
   double strength_factor(std::size_t point, double share) const;
 
@@ -33,13 +40,14 @@ public:
   void restore(std::size_t point, std::span<const double> numbers);
 
 private:
+  double window_start(double time) const;
   fem::Vec6 smooth_rate(std::size_t point, double share) const;
 
   dem::RateLaw rate_law_;
   double start_, time_, duration_ = 0;
   std::vector<fem::Vec6> strain_, increment_;
   std::vector<fem::Vec6> jumps_; ///< strain that came in jumps
-  std::vector<fem::Vec6> rate_;  ///< over the last step in time [1/s]
+  std::vector<fem::Vec6> rate_;  ///< at present, or over the last step in time [1/s]
   StrainWindow window_;
 };
 

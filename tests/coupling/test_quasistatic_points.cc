@@ -242,3 +242,31 @@ TEST(QuasistaticPoints, ABodyGoesOnToTheEndOfItsVolumes)
   EXPECT_TRUE(cube.state.has_lost);
   EXPECT_GT(cube.points.n_broken(), 0.3 * double(cube.points.n_bonds()));
 }
+
+TEST(QuasistaticPoints, ABodyCreepsAsInTheClosedForm)
+{
+  const dem::VolumeElement element = elements::random_cube(60, 1);
+  const dem::Strengths strengths = dem::draw_strengths(
+      {dem::NormalStrength{54, 44}, dem::NonpositiveRule::clamp, 0.5}, element.bonds.id, 1);
+  VolumeSettings settings = settings_of(VolumeUse::adaptive);
+  settings.breakage_tolerance = 0.02;
+  settings.rate_law.floor = 1e-7; // at the load, strengths see the rate of creep
+  settings.rate_law.window = 1;
+  for (const dem::AfterBreakage rule : {dem::AfterBreakage::leave, dem::AfterBreakage::pressed}) {
+    const VolumeFamily family = make_family(element, strengths, rule);
+    FollowedCube followed(
+        [&](std::size_t n_points) { return points_of(family, n_points, settings); });
+    const double edge = FollowedCube::edge;
+    const fem::History history = constant_force(-2e5 * edge * edge);
+    Body closed(fem::box(MPI_COMM_SELF, {edge, edge, edge}, {edge, 0, false}), uniaxial(), {family},
+                settings, 1, 1e-9);
+    followed.run_to(history, 20);
+    closed.run_to(history, 20);
+    EXPECT_GT(closed.points.n_broken(), 0u);
+    EXPECT_EQ(followed.points.n_broken(), closed.points.n_broken());
+    // a contact that has opened may close again here
+    const double tolerance = rule == dem::AfterBreakage::leave ? 2e-5 : 2e-3;
+    EXPECT_NEAR(followed.points.strain()[0][2], closed.points.strain()[0][2],
+                tolerance * std::abs(closed.points.strain()[0][2]));
+  }
+}
