@@ -1,5 +1,7 @@
 #include "fem/march.h"
 
+#include "fem/agreement.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,15 +13,24 @@ namespace fem {
 
 namespace {
 
+/// What the points of each rank answer; a rank that fails fails on all.
+template <int dim, class Ask>
+auto answer(const Specimen<dim>& specimen, const Ask& ask)
+{
+  decltype(ask()) result{};
+  together(specimen.elements().ranks(), [&] { result = ask(); });
+  return result;
+}
+
 /// Solves a step from the present time, and counts what it took.
 template <int dim>
 void attempt(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
              const LoadState& load, double duration, double reduced_step)
 {
   points.begin_step(state.time, duration);
-  const StepReport report = specimen.solve_step(
-      load, reduced_step, [&points](std::span<const Vec6> increment, double step) {
-        return points.evaluate(increment, step);
+  const StepReport report =
+      specimen.solve_step(load, reduced_step, [&](std::span<const Vec6> increment, double step) {
+        return answer(specimen, [&] { return points.evaluate(increment, step); });
       });
   state.n_solves += report.n_solves;
   state.n_iterations += report.n_iterations;
@@ -66,7 +77,7 @@ double largest_strain(const MaterialPoints& points)
 template <int dim>
 void commit(Specimen<dim>& specimen, MaterialPoints& points)
 {
-  points.commit();
+  together(specimen.elements().ranks(), [&] { points.commit(); });
   specimen.commit();
 }
 
@@ -80,14 +91,17 @@ void settle(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
   state.is_settled = false;
   points.begin_step(state.time, 0); // after a restart they do not know the time
   for (int pass = 0; pass < most_passes; ++pass) {
-    const double overload = dealii::Utilities::MPI::max(points.overload(), ranks);
+    const double overload =
+        dealii::Utilities::MPI::max(answer(specimen, [&] { return points.overload(); }), ranks);
     state.is_settled = overload < 1;
     if (state.is_settled)
       return;
-    points.change(overload);
+    together(ranks, [&] { points.change(overload); });
     ++state.n_changes;
     try {
       attempt(specimen, points, state, history.load(state.time), 0, 0);
+    } catch (const RankFailure&) {
+      throw;                              // says nothing about the body
     } catch (const std::runtime_error&) { // on all ranks alike
       state.has_lost = true;
       return;
@@ -105,8 +119,8 @@ template <int dim>
 double shortened(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                  const History& history, double step)
 {
-  const double share =
-      dealii::Utilities::MPI::min(points.share_without_change(), specimen.elements().ranks());
+  const double share = dealii::Utilities::MPI::min(
+      answer(specimen, [&] { return points.share_without_change(); }), specimen.elements().ranks());
   if (share >= 1)
     return step;
   const double least = std::nextafter(state.time, std::numeric_limits<double>::max()) - state.time;

@@ -35,6 +35,7 @@ constexpr int most_passes = 20;
 /// (`is_settled`; `march_step` goes on with it), or until there is none or the strain of a point is
 /// above 1/2 (`has_lost`; no step must follow).
 /// \throws std::runtime_error as Specimen::solve_step
+/// \throws RankFailure on all ranks, if the points of one fail; the state is not to be used then
 template <int dim>
 void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                 const History& history);
@@ -45,6 +46,7 @@ void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
 /// Steps in which a point finds no state of its own are tried smaller, down to a millionth of the
 /// way; then equilibrium is lost (`has_lost`).
 /// \throws std::runtime_error naming the time, if no step is small enough or one does not converge
+/// \throws RankFailure as apply_jump
 template <int dim>
 void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                 const History& history, const StepSettings& settings, double stop);
