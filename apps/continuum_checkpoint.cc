@@ -3,6 +3,7 @@
 #include "apps/files.h"
 #include "apps/provenance.h"
 #include "apps/text.h"
+#include "fem/agreement.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -111,7 +112,7 @@ void write_all(dem::Hdf5File& file, const LoadedScene& scene, const std::filesys
              std::vector<double>{stored.drive_displacement, stored.last_step,
                                  stored.elastic_compliance, stored.last_time, stored.last_motion,
                                  stored.wall_time, double(stored.n_recorded),
-                                 double(stored.n_jumped)},
+                                 double(stored.n_jumped), stored.drive_force},
              "SI");
   RunRecord history;
   history.history = stored.record.history;
@@ -164,13 +165,16 @@ void write_continuum_checkpoint(const ContinuumInProgress<dim>& run,
       run.wall_time,
       run.n_recorded,
       run.n_jumped,
-      continuum_fingerprint(run.scene)};
-  if (!run.ranks.first())
-    return;
-  const std::filesystem::path path = checkpoint_file(folder);
-  dem::Hdf5File file = dem::Hdf5File::create(path);
-  write_all(file, run.scene, folder, stored);
-  publish_checkpoint(file, path);
+      continuum_fingerprint(run.scene),
+      run.specimen->drive_force()};
+  fem::together(run.ranks.all(), [&] {
+    if (!run.ranks.first())
+      return;
+    const std::filesystem::path path = checkpoint_file(folder);
+    dem::Hdf5File file = dem::Hdf5File::create(path);
+    write_all(file, run.scene, folder, stored);
+    publish_checkpoint(file, path);
+  });
 }
 
 StoredContinuum read_continuum_checkpoint(const dem::Hdf5File& file)
@@ -192,6 +196,7 @@ StoredContinuum read_continuum_checkpoint(const dem::Hdf5File& file)
   stored.wall_time = scalars.at(5);
   stored.n_recorded = std::size_t(scalars.at(6));
   stored.n_jumped = std::size_t(scalars.at(7));
+  stored.drive_force = scalars.size() > 8 ? scalars[8] : 0;
   stored.files = file.text_attribute("scene", "files_fingerprint");
   stored.record.history = read_record(file, "record").history;
   const std::vector<std::string> names = split(trimmed(file.read_text("record/field_files")), '\n');

@@ -135,6 +135,10 @@ void declare_volumes(Schema& s, ContinuumInput::Volumes& v)
   s.number("Breakage tolerance", v.breakage_tolerance, "1e-6", between(1e-12, 0.5),
            "Bonds that are this share below their strength, or below the most loaded one, break "
            "with it; larger is faster.");
+  s.number("Balance", v.balance, "1.2", at_least(0),
+           "Over the ranks of mpirun: from this ratio of the largest to the mean cost of the ranks "
+           "on, measured as the run goes, cells are shared out anew where that is worth its time. "
+           "0: never.");
 }
 
 void declare_probes(Schema& s, ContinuumInput::Probes& v)

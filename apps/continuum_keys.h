@@ -70,6 +70,7 @@ struct ContinuumInput {
     VolumeSolver solver;
     SofteningChoice softening;
     double breakage_tolerance;
+    double balance; ///< largest over mean cost of the ranks from which on cells move; 0: never
   } volumes;
 
   struct Probes {

@@ -1,5 +1,6 @@
 #include "apps/continuum_march.h"
 
+#include "apps/continuum_balance.h"
 #include "apps/continuum_steps.h"
 #include "apps/interrupt.h"
 
@@ -45,6 +46,7 @@ bool look_up(const ContinuumInProgress<dim>& run, Watch& watch, double fraction)
 template <int dim>
 void step(ContinuumInProgress<dim>& run, double to)
 {
+  balance(run);
   const ContinuumInput& v = run.scene.scene->continuum;
   const fem::StepSettings settings{v.step_tolerance, v.first_step, 3};
   if (run.march.is_settled) {

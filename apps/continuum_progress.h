@@ -2,6 +2,7 @@
 #include "apps/continuum_body.h"
 #include "apps/continuum_record.h"
 #include "apps/continuum_volumes.h"
+#include "apps/rank_costs.h"
 #include "apps/ranks.h"
 #include "dem/loading.h"
 #include "fem/cell_states.h"
@@ -32,9 +33,11 @@ struct ContinuumInProgress {
   std::unique_ptr<fem::MaterialPoints> points{};
   const coupling::BreakingPoints* volumes = nullptr; ///< the points, if they are volumes that break
   std::vector<int> law_of_point{};
+  KnownVolumes known_volumes{};
   std::string volume_sizes{}; ///< on this rank, as a text
   std::optional<fem::Probes<dim>> probes{};
   fem::MarchState march{};
+  RankCosts costs{};
   double elastic_compliance = 0;         ///< of the platens [m/N]
   double last_time = 0, last_motion = 0; ///< before the last step [s], [m]
 
@@ -51,7 +54,8 @@ struct StoredContinuum {
   ContinuumRecord record;
   double drive_displacement, last_step, elastic_compliance, last_time, last_motion, wall_time;
   std::size_t n_recorded, n_jumped;
-  std::string files; ///< fingerprint of law and mesh files
+  std::string files;      ///< fingerprint of law and mesh files
+  double drive_force = 0; ///< [N]
 };
 
 /// Law and mesh files of a scene: their content, as a short text that is equal for equal content.

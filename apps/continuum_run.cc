@@ -1,6 +1,7 @@
 #include "apps/continuum_run.h"
 
 #include "apps/checkpoint.h"
+#include "apps/continuum_balance.h"
 #include "apps/continuum_march.h"
 #include "apps/continuum_steps.h"
 #include "apps/files.h"
@@ -10,7 +11,9 @@
 #include "apps/progress.h"
 #include "apps/provenance.h"
 #include "apps/run_checks.h"
+#include "fem/agreement.h"
 #include "fem/frequency.h"
+#include "fem/processor_time.h"
 
 #include <fmt/format.h>
 
@@ -130,6 +133,86 @@ End end_of(const ContinuumInProgress<dim>& run)
                       run.march.time, 1e3 * place[0], 1e3 * place[1], 1e3 * place[2])};
 }
 
+/// What a run has come to, of all ranks.
+struct Outcome {
+  End end;
+  std::vector<Column> over_frequency;
+  std::optional<BodyDamage> damage;
+  long n_cells, n_unknowns;
+  std::string balance; ///< a line for users
+};
+
+/// All ranks take part.
+template <int dim>
+Outcome outcome_of(ContinuumInProgress<dim>& run)
+{
+  Outcome outcome{end_of(run),
+                  modulus(run),
+                  {},
+                  long(run.mesh.cells->n_global_active_cells()),
+                  long(run.specimen->elements().dofs().n_dofs()),
+                  balance_summary(run)};
+  if (run.volumes)
+    outcome.damage = body_damage(run.specimen->elements(), *run.volumes);
+  return outcome;
+}
+
+/// Tells what a run took and what there is to know about its end. First rank only.
+template <int dim>
+void tell(const ContinuumInProgress<dim>& run, const Outcome& outcome)
+{
+  say(run.ranks, "  " + statistics(run.march));
+  if (!run.record.volumes.empty()) {
+    const VolumeReading& last = run.record.volumes.back();
+    say(run.ranks, fmt::format("  {:.0f} of {:.0f} bonds broken, {:.0f} of {:.0f} points live",
+                               last.n_broken, last.n_bonds, last.n_live, last.n_points));
+  }
+  if (!outcome.balance.empty())
+    say(run.ranks, "  " + outcome.balance);
+  if (outcome.end.kind != dem::RunEnd::finished)
+    say(run.ranks, fmt::format("  ended early: {}", outcome.end.reason));
+  say(run.ranks, fmt::format("  solved in {}", duration_text(run.wall_time)));
+  if (const double strain = std::abs(run.record.history.back().strain);
+      run.face.platen && strain > 0.02)
+    say(run.ranks, fmt::format("  note: strains are taken as small; at {:.2g} % the change of "
+                               "geometry that this leaves out is of that order",
+                               100 * strain));
+}
+
+/// Results, figures and checks of a run. First rank only.
+/// \return the exit code
+template <int dim>
+int leave_results(const ContinuumInProgress<dim>& run, Outcome outcome,
+                  const std::filesystem::path& folder, const RunOptions& options)
+{
+  const Scene& scene = *run.scene.scene;
+  std::vector<std::string> laws;
+  for (const fem::LawRecord& record : run.laws.records)
+    laws.push_back(fem::law_text(record));
+  const ContinuumSize size{outcome.n_cells, outcome.n_unknowns, scene.continuum.order,
+                           run.ranks.number(), name_of(run.scheme)};
+  tell(run, outcome);
+  write_continuum_results(
+      {run.scene, run.face, run.record, run.march, size, run.places, outcome.over_frequency, laws,
+       run.loading.control == dem::Loading::Control::displacement, run.wall_time,
+       apps::name_of(outcome.end.kind), outcome.end.reason, std::move(outcome.damage)},
+      folder);
+  remove_checkpoints(folder);
+  say(run.ranks, fmt::format("  results in {}", folder.string()));
+  if (scene.output.plots)
+    for (const std::string& figure : make_figures({folder}, folder))
+      say(run.ranks, "  figure " + figure);
+  const int code =
+      outcome.end.kind == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
+  if (options.unchecked || !expects_anything(scene.expect))
+    return code;
+  const std::vector<Check> checks =
+      check_history(scene.expect, history_columns(run.face, run.record.history));
+  return report_checks(checks, folder) ? exit_ok : exit_not_met;
+}
+
+/// Runs to the end and writes the results.
+/// \return the exit code, on all ranks
 template <int dim>
 int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
            const RunOptions& options)
@@ -137,8 +220,10 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
   bool ended = false;
   try {
     ended = drive(run, folder, options);
+  } catch (const fem::RankFailure&) {
+    throw; // the states of the ranks may not belong together
   } catch (const std::runtime_error&) {
-    if (run.march.n_steps > 0 && !run.march.has_lost)
+    if (run.march.n_steps > 0 && !run.march.has_lost && run.ranks.all_here())
       write_continuum_checkpoint(run, folder); // the last good state
     throw;
   }
@@ -149,57 +234,13 @@ int finish(ContinuumInProgress<dim>& run, const std::filesystem::path& folder,
                                        : "; to go on: mastic run --resume " + folder.string()));
     return exit_interrupted;
   }
-  const std::vector<Column> over_frequency = modulus(run);
-  const End end = end_of(run);
-  std::optional<BodyDamage> damage;
-  if (run.volumes)
-    damage = body_damage(run.specimen->elements(), *run.volumes);
-  const long n_cells = long(run.mesh.cells->n_global_active_cells());
-  const long n_unknowns = long(run.specimen->elements().dofs().n_dofs());
-  if (!run.ranks.first())
-    return exit_ok;
-  const Scene& scene = *run.scene.scene;
-  std::vector<std::string> laws;
-  for (const fem::LawRecord& record : run.laws.records)
-    laws.push_back(fem::law_text(record));
-  const ContinuumSize size{n_cells, n_unknowns, scene.continuum.order, run.ranks.number(),
-                           name_of(run.scheme)};
-  say(run.ranks, "  " + statistics(run.march));
-  if (!run.record.volumes.empty()) {
-    const VolumeReading& last = run.record.volumes.back();
-    say(run.ranks, fmt::format("  {:.0f} of {:.0f} bonds broken, {:.0f} of {:.0f} points live",
-                               last.n_broken, last.n_bonds, last.n_live, last.n_points));
-  }
-  if (end.kind != dem::RunEnd::finished)
-    say(run.ranks, fmt::format("  ended early: {}", end.reason));
-  say(run.ranks, fmt::format("  solved in {}", duration_text(run.wall_time)));
-  if (const double strain = std::abs(run.record.history.back().strain);
-      run.face.platen && strain > 0.02)
-    say(run.ranks, fmt::format("  note: strains are taken as small; at {:.2g} % the change of "
-                               "geometry that this leaves out is of that order",
-                               100 * strain));
-  write_continuum_results({run.scene, run.face, run.record, run.march, size, run.places,
-                           over_frequency, laws,
-                           run.loading.control == dem::Loading::Control::displacement,
-                           run.wall_time, apps::name_of(end.kind), end.reason, std::move(damage)},
-                          folder);
-  remove_checkpoints(folder);
-  say(run.ranks, fmt::format("  results in {}", folder.string()));
-  if (scene.output.plots)
-    for (const std::string& figure : make_figures({folder}, folder))
-      say(run.ranks, "  figure " + figure);
-  const int code = end.kind == dem::RunEnd::lost_equilibrium ? exit_lost_equilibrium : exit_ok;
-  if (options.unchecked || !expects_anything(scene.expect))
-    return code;
-  const std::vector<Check> checks =
-      check_history(scene.expect, history_columns(run.face, run.record.history));
-  return report_checks(checks, folder) ? exit_ok : exit_not_met;
-}
-
-/// The same exit code on all ranks.
-int agreed(const Ranks& ranks, int code)
-{
-  MPI_Bcast(&code, 1, MPI_INT, 0, ranks.all());
+  Outcome outcome = outcome_of(run);
+  int code = exit_ok;
+  fem::together(run.ranks.all(), [&] {
+    if (run.ranks.first())
+      code = leave_results(run, std::move(outcome), folder, options);
+  });
+  MPI_Bcast(&code, 1, MPI_INT, 0, run.ranks.all());
   return code;
 }
 
@@ -238,10 +279,12 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
                                .ranks = ranks,
                                .packings = folder / "packings",
                                .n_threads = options.n_threads};
+  const double start = fem::processor_time();
   begin(run, stored);
   if (stored) {
     fem::restore_cell_states(*run.specimen, *run.points, fem::own_states(run.mesh, stored->cells),
                              stored->drive_displacement);
+    run.specimen->set_drive_force(stored->drive_force);
     run.points->set_last_step(stored->last_step);
     run.march = stored->march;
     run.record = stored->record;
@@ -253,6 +296,7 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
     run.wall_time = stored->wall_time;
   } else
     refine_at_start(run);
+  run.costs.begin(fem::processor_time() - start, ranks);
   say(ranks, fmt::format("  {} cells of order {}, {} unknowns, {} rank{}; {} in a step{}",
                          run.mesh.cells->n_global_active_cells(), scene.continuum.order,
                          run.specimen->elements().dofs().n_dofs(), ranks.number(),
@@ -266,9 +310,11 @@ int run_body(const LoadedScene& loaded, const Ranks& ranks, const std::filesyste
     if (const std::string estimates = estimated_keys(loaded); !estimates.empty())
       say(ranks, "  preset 'estimate': estimates, not the paper's tables, stand for " + estimates);
   }
-  if (ranks.first())
-    make_folder(folder);
-  return agreed(ranks, finish(run, folder, options));
+  fem::together(ranks.all(), [&] {
+    if (ranks.first())
+      make_folder(folder);
+  });
+  return finish(run, folder, options);
 }
 
 int run_any(const LoadedScene& scene, const Ranks& ranks, const std::filesystem::path& folder,

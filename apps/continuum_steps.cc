@@ -1,6 +1,7 @@
 #include "apps/continuum_steps.h"
 
 #include "apps/files.h"
+#include "fem/agreement.h"
 #include "fem/field_files.h"
 #include "fem/law_points.h"
 #include "fem/refinement.h"
@@ -110,15 +111,18 @@ void make_points(ContinuumInProgress<dim>& run)
   if (!has_volumes(scene.continuum))
     take_law_files(run);
   else {
-    BodyVolumes volumes = make_volumes(run.scene, run.ranks, run.specimen->elements(), run.packings,
-                                       run.n_threads, run.trial);
+    BodyVolumes volumes;
+    fem::together(run.ranks.all(), [&] {
+      volumes = make_volumes(run.scene, run.ranks, run.specimen->elements(), run.packings,
+                             run.n_threads, run.trial, run.known_volumes);
+    });
     run.laws = laws_of(scene, volumes);
     run.law_of_point = volumes.family_of_point;
     if (breaks(scene.continuum)) {
       run.volume_sizes = size_text(scene, volumes);
       constexpr double moment = 1e-6; // [s]
       const auto reduced = reduced_time(scene, run.laws);
-      const double begin = run.march.time;
+      const double begin = run.loading.points.front().time;
       const double pace = (reduced(begin + moment) - reduced(begin)) / moment;
       auto points = breaking_points(scene, std::move(volumes), run.n_threads, begin, pace);
       run.volumes = points.get();
@@ -254,16 +258,19 @@ void record_fields(ContinuumInProgress<dim>& run, const std::filesystem::path& f
   if (!run.scene.scene->output.paraview)
     return;
   const std::string name = fmt::format("body_{:04}.vtu", run.record.fields.size());
-  if (run.ranks.first())
-    make_folder(folder / "paraview");
-  MPI_Barrier(run.ranks.all());
+  fem::together(run.ranks.all(), [&] {
+    if (run.ranks.first())
+      make_folder(folder / "paraview");
+  });
   std::vector<fem::CellField> volumes;
   if (run.volumes)
     volumes = volume_fields(*run.volumes, run.specimen->elements().points_per_cell());
   fem::write_fields(folder / "paraview" / name, *run.specimen, *run.points, volumes);
   run.record.fields.emplace_back(run.march.time, name);
-  if (run.ranks.first())
-    fem::write_series(folder / "paraview" / "body.pvd", run.record.fields);
+  fem::together(run.ranks.all(), [&] {
+    if (run.ranks.first())
+      fem::write_series(folder / "paraview" / "body.pvd", run.record.fields);
+  });
 }
 
 template void make_body(ContinuumInProgress<2>&);

@@ -73,12 +73,6 @@ coupling::QuasistaticPoints::Volume followed_volume(const Scene& scene, dem::Vol
   return volume;
 }
 
-/// A volume as the scene says, for each solver that needs it.
-struct OneVolume {
-  std::optional<coupling::VolumeFamily> family;
-  coupling::QuasistaticPoints::Volume followed;
-};
-
 OneVolume make_one(const LoadedScene& loaded, PackingStore& store, std::uint64_t offset)
 {
   const Scene& scene = *loaded.scene;
@@ -124,7 +118,7 @@ std::vector<double> point_edges(const fem::Elements<dim>& elements)
 template <int dim>
 BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
                          const fem::Elements<dim>& elements, const std::filesystem::path& packings,
-                         int n_threads, bool trial)
+                         int n_threads, bool trial, KnownVolumes& known)
 {
   const Scene& scene = *loaded.scene;
   const ContinuumInput::Volumes& v = scene.continuum.volumes;
@@ -134,10 +128,12 @@ BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
   std::map<std::uint64_t, int> number;
   for (const std::uint64_t each : offsets)
     number.emplace(each, 0);
-  std::vector<std::uint64_t> needed;
+  std::vector<std::uint64_t> needed, missing;
   for (auto& [offset, k] : number) {
     k = int(needed.size());
     needed.push_back(offset);
+    if (!known.contains(offset))
+      missing.push_back(offset);
   }
   BodyVolumes result;
   for (const std::uint64_t each : offsets)
@@ -145,15 +141,18 @@ BodyVolumes make_volumes(const LoadedScene& loaded, const Ranks& ranks,
   PackingStore store{ranks.first() ? packings : std::filesystem::path(), {}}; // one writer
   if (!store.folder.empty())
     make_folder(store.folder);
-  std::vector<OneVolume> made(needed.size());
-  dem::for_each_realisation(int(needed.size()), n_threads, [&](int k) {
-    made[std::size_t(k)] = make_one(loaded, store, needed[std::size_t(k)]);
+  std::vector<OneVolume> made(missing.size());
+  dem::for_each_realisation(int(missing.size()), n_threads, [&](int k) {
+    made[std::size_t(k)] = make_one(loaded, store, missing[std::size_t(k)]);
   });
-  for (OneVolume& each : made) {
-    if (each.family)
-      result.families.push_back(std::move(*each.family));
-    if (each.followed)
-      result.followed.push_back(std::move(each.followed));
+  for (std::size_t k = 0; k < missing.size(); ++k)
+    known.emplace(missing[k], std::move(made[k]));
+  for (const std::uint64_t each : needed) {
+    const OneVolume& one = known.at(each);
+    if (one.family)
+      result.families.push_back(*one.family);
+    if (one.followed)
+      result.followed.push_back(one.followed);
   }
   const std::vector<double> edges = point_edges(elements);
   for (std::size_t q = 0; q < edges.size(); ++q) {
@@ -305,8 +304,8 @@ std::vector<fem::CellField> volume_fields(const coupling::BreakingPoints& points
 }
 
 template BodyVolumes make_volumes(const LoadedScene&, const Ranks&, const fem::Elements<2>&,
-                                  const std::filesystem::path&, int, bool);
+                                  const std::filesystem::path&, int, bool, KnownVolumes&);
 template BodyVolumes make_volumes(const LoadedScene&, const Ranks&, const fem::Elements<3>&,
-                                  const std::filesystem::path&, int, bool);
+                                  const std::filesystem::path&, int, bool, KnownVolumes&);
 
 } // namespace apps

@@ -6,6 +6,8 @@
 #include "fem/field_files.h"
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <vector>
 
 namespace apps {
@@ -19,15 +21,25 @@ struct BodyVolumes {
   std::vector<double> size_ratio; ///< edge of the volume over that of the point's element
 };
 
+/// A volume as the scene says, for each solver that needs it.
+struct OneVolume {
+  std::optional<coupling::VolumeFamily> family;
+  coupling::QuasistaticPoints::Volume followed;
+};
+
+/// Volumes that were made already, by how far their seeds are from those of the scene.
+using KnownVolumes = std::map<std::uint64_t, OneVolume>;
+
 /// Makes the volumes for the points of a rank. Which point gets which depends on its cell and its
 /// place in it alone, not on ranks.
 /// \param packings  folder in which grown packings are kept; empty: nowhere
+/// \param known     taken from there; those that had to be made come to them
 /// \param trial     all points get the first volume: to see whether it can be made
 /// \throws std::invalid_argument if the scene does not make volumes, or none of a size that fits
 template <int dim>
 BodyVolumes make_volumes(const LoadedScene& scene, const Ranks& ranks,
                          const fem::Elements<dim>& elements, const std::filesystem::path& packings,
-                         int n_threads, bool trial);
+                         int n_threads, bool trial, KnownVolumes& known);
 
 /// The exact laws of intact volumes; their elastic parts only, if bonds follow several laws.
 BodyLaws laws_of(const Scene& scene, const BodyVolumes& volumes);

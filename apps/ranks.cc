@@ -43,6 +43,31 @@ int& last_words()
   return descriptor;
 }
 
+/// Where ranks wait for each other at their end, apart from what they may still be saying.
+MPI_Comm& meeting_place()
+{
+  static MPI_Comm place = MPI_COMM_NULL; // belongs to the process, as MPI does
+  return place;
+}
+
+/// Waits for the other ranks.
+/// \return false if they have not come within some time [s]
+bool meet(double patience)
+{
+  MPI_Request all_here;
+  MPI_Ibarrier(meeting_place(), &all_here);
+  const auto start = std::chrono::steady_clock::now();
+  int done = 0;
+  while (MPI_Test(&all_here, &done, MPI_STATUS_IGNORE), !done) {
+    if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(patience))
+      return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+constexpr double patience_after_errors = 5; ///< [s]
+
 void keep_silent()
 {
   last_words() = dup(STDERR_FILENO);
@@ -95,6 +120,7 @@ Ranks::Ranks()
     char** arguments = nullptr;
     session() =
         std::make_unique<dealii::Utilities::MPI::MPI_InitFinalize>(n_arguments, arguments, 1);
+    MPI_Comm_dup(MPI_COMM_WORLD, &meeting_place());
     Eigen::setNbThreads(1);
     int mine = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &mine);
@@ -110,26 +136,23 @@ bool Ranks::any(bool mine) const
   return dealii::Utilities::MPI::max(int(mine), MPI_COMM_WORLD) == 1;
 }
 
+bool Ranks::all_here() const
+{
+  return meet(patience_after_errors);
+}
+
 void end_ranks(int exit_code, const char* message)
 {
   if (!runs())
     return;
-  MPI_Request all_here;
-  MPI_Ibarrier(MPI_COMM_WORLD, &all_here);
-  const auto start = std::chrono::steady_clock::now();
-  int done = 0;
-  while (!done) {
-    MPI_Test(&all_here, &done, MPI_STATUS_IGNORE);
-    if (!done && exit_code != 0 &&
-        std::chrono::steady_clock::now() - start > std::chrono::seconds(5)) {
-      const std::string text = fmt::format("error on one rank: {}\n", message);
-      if (last_words() >= 0 && write(last_words(), text.data(), text.size()) < 0)
-        std::perror("mastic");
-      MPI_Abort(MPI_COMM_WORLD, exit_code);
-    }
-    if (!done)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  constexpr double endless = 1e9;
+  if (!meet(exit_code != 0 ? patience_after_errors : endless)) {
+    const std::string text = fmt::format("error on one rank: {}\n", message);
+    if (last_words() >= 0 && write(last_words(), text.data(), text.size()) < 0)
+      std::perror("mastic");
+    MPI_Abort(MPI_COMM_WORLD, exit_code);
   }
+  MPI_Comm_free(&meeting_place());
   session().reset();
 }
 

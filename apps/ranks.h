@@ -19,6 +19,10 @@ public:
   /// True on all ranks if it is true on one.
   bool any(bool mine) const;
 
+  /// Whether all ranks come here within some seconds: what one of them alone runs into is nothing
+  /// that they could go on with together.
+  bool all_here() const;
+
 private:
   int number_, mine_;
 };

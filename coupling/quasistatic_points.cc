@@ -1,6 +1,7 @@
 #include "coupling/quasistatic_points.h"
 
 #include "dem/realisations.h"
+#include "fem/processor_time.h"
 
 #include <Eigen/Cholesky>
 
@@ -94,6 +95,7 @@ QuasistaticPoints::QuasistaticPoints(std::vector<Volume> volumes, std::vector<in
   std::iota(which_.begin(), which_.end(), 0);
   is_lost_.assign(n, 0);
   overload_.assign(n, 0);
+  costs_.assign(n, 0);
   for (const Volume& each : volumes_) {
     const auto rest = dem::at_rest(*each);
     const auto elastic = dem::VolumeFollower(*each).step(rest, Vec6::Zero(), 0);
@@ -142,6 +144,7 @@ fem::ConstitutiveAnswer QuasistaticPoints::evaluate(std::span<const Vec6> increm
   }
   dem::for_each_realisation(int(points.size()), settings_.n_threads, [&](int k) {
     const std::size_t q = points[std::size_t(k)];
+    const fem::ProcessorTimer timer(costs_[q], 1. / settings_.n_threads);
     trial_[q] = step_of(q, increment[q], step);
     is_lost_[q] = char(!trial_[q]);
     trial_stress_[q] = trial_[q] ? trial_[q]->state.stress

@@ -41,6 +41,7 @@ public:
   std::span<const fem::Vec6> strain() const override { return record_.strain(); }
   double last_step() const override { return last_step_; }
   void set_last_step(double step) override;
+  std::span<const double> costs() const override { return costs_; }
   std::size_t numbers_per_point() const override;
   void store(std::size_t point, std::span<double> numbers) const override;
   void restore(std::size_t point, std::span<const double> numbers) override;
@@ -98,6 +99,7 @@ private:
   std::vector<int> which_;
   std::vector<char> is_lost_;
   std::vector<double> overload_; ///< as found last
+  std::vector<double> costs_;    ///< of the steps of volumes, over the number of threads [s]
 };
 
 } // namespace coupling

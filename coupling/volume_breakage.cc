@@ -1,5 +1,7 @@
 #include "coupling/volume_points.h"
 
+#include "fem/processor_time.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -103,6 +105,7 @@ double VolumePoints::ratio_bound(std::size_t point, const Vec6& elastic) const
 /// Looks at all bonds and contacts of a live point in its committed state.
 void VolumePoints::look_at(std::size_t point)
 {
+  const fem::ProcessorTimer timer(costs_[point]);
   const Vec6 strain = in_volume(point, elastic_[point]);
   looks_[point] = {live_[point].get(), strain,
                    dem::look_at(*live_[point]->damage, family(point).element->strengths(), strain)};
@@ -241,6 +244,7 @@ double VolumePoints::share_until_breakage(std::size_t point, std::span<const Ins
     if (std::max(looks_[point].seen.ratio, ratio_bound(point, end)) < least)
       return 1;
   }
+  const fem::ProcessorTimer timer(costs_[point]);
   const auto ratio_at = [&](double share) {
     return ratio(point, elastic_[point] + share * growth_[point]);
   };

@@ -1,6 +1,7 @@
 #include "coupling/volume_points.h"
 
 #include "dem/realisations.h"
+#include "fem/processor_time.h"
 
 #include <Eigen/LU>
 
@@ -76,6 +77,7 @@ VolumePoints::VolumePoints(std::vector<VolumeFamily> families, std::vector<int> 
   is_released_.assign(n, 0);
   looks_.resize(n);
   overload_.assign(n, 0);
+  costs_.assign(n, 0);
   part_ = creep_.part(0);
   if (settings.use == VolumeUse::all_live) {
     std::vector<std::size_t> all(n);
@@ -185,6 +187,7 @@ void VolumePoints::make_live(std::span<const std::size_t> points,
 {
   const auto work = [&](int k) {
     const std::size_t q = points[std::size_t(k)];
+    const fem::ProcessorTimer timer(costs_[q], 1. / settings_.n_threads);
     const double since = live_[q] && live_[q]->damage->n_broken > 0 ? live_[q]->since : time_;
     looks_[q] = {};
     live_[q] = std::make_shared<const LiveVolume>(

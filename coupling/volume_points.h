@@ -90,6 +90,7 @@ public:
   std::span<const fem::Vec6> strain() const override { return strain_; }
   double last_step() const override { return last_step_; }
   void set_last_step(double step) override { last_step_ = step; }
+  std::span<const double> costs() const override { return costs_; }
   std::size_t numbers_per_point() const override;
   void store(std::size_t point, std::span<double> numbers) const override;
   void restore(std::size_t point, std::span<const double> numbers) override;
@@ -168,6 +169,7 @@ private:
   std::vector<int> which_;
   std::vector<fem::Vec6> trial_stress_, trial_increment_, growth_;
   std::vector<double> overload_; ///< as found last; infinite where contacts open
+  std::vector<double> costs_;    ///< of breakages and looks; those on threads over their number [s]
 
   /// A live volume when all its bonds were looked at last: nothing can happen near that strain.
   struct Look {

@@ -69,6 +69,7 @@ void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
   pace_ = *from++;
   is_released_[point] = char(*from++ != 0);
   if (is_live) {
+    n_live_ += live_[point] ? 0 : 1;
     std::vector<dem::BondStatus> status(family(point).element->n_bonds());
     for (std::size_t b = 0; b < status.size(); b += statuses_per_number) {
       auto packed = std::uint64_t(*(from + long(b / statuses_per_number)));
@@ -80,8 +81,6 @@ void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
     live_[point] = std::make_shared<const LiveVolume>(
         live_volume(family(point), family(point).element->answer(std::move(status)),
                     size_ratio_[point], since));
-    n_live_ =
-        std::size_t(std::ranges::count_if(live_, [](const auto& each) { return bool(each); }));
   }
   window_.restore(point, numbers.last(StrainWindow::n_numbers));
 }

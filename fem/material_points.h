@@ -72,6 +72,10 @@ public:
   virtual double last_step() const = 0;
   virtual void set_last_step(double step) = 0;
 
+  /// Processor time that each point took beyond what all points take alike, since these points were
+  /// made [s]; empty if there is nothing of that kind.
+  virtual std::span<const double> costs() const { return {}; }
+
   /// The state of a point as numbers, for storage and transfer.
   virtual std::size_t numbers_per_point() const = 0;
   virtual void store(std::size_t point, std::span<double> numbers) const = 0;

@@ -82,8 +82,9 @@ public:
   /// Mean displacement of the body along its loads, or along its drive if it has no loads [m].
   double mean_displacement() const;
 
-  /// Takes over a displacement from elsewhere.
+  /// Takes over a displacement, and the force on the driven boundaries, from elsewhere.
   void set_displacement(const Vector& displacement, double drive_displacement);
+  void set_drive_force(double force) { drive_force_ = force; }
 
 private:
   void prepare(const ConstitutiveAnswer& answer, StepReport& report);

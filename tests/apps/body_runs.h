@@ -1,6 +1,11 @@
 #pragma once
 #include "apps/csv_table.h"
+#include "apps/text.h"
 #include "tests/apps/interrupted.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 /// Runs of bodies of finite elements, and what they leave.
 namespace body_runs {
@@ -21,6 +26,19 @@ inline std::vector<double> column(const command::Folder& folder, const std::stri
 {
   const apps::Units units;
   return apps::CsvTable(folder / file, units).numbers(name, unit);
+}
+
+/// A column of such a table by its whole name.
+inline std::vector<double> numbers(const command::Folder& folder, const std::string& file,
+                                   const std::string& name)
+{
+  const std::vector<std::string> lines = apps::split(apps::trimmed(folder.read(file)), '\n');
+  const std::vector<std::string> names = apps::split(lines.front(), ',');
+  const auto place = std::size_t(std::ranges::find(names, name) - names.begin());
+  std::vector<double> result;
+  for (std::size_t k = 1; k < lines.size(); ++k)
+    result.push_back(std::stod(apps::split(lines[k], ',').at(place)));
+  return result;
 }
 
 } // namespace body_runs
