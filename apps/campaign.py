@@ -27,8 +27,9 @@ from sheet import STYLE
 SEEDS = ("Specimen/Seed", "Strength/Seed")
 NAMES = {"Specimen/Seed": "packing", "Strength/Seed": "strength seed",
          "Strength/Distribution": "strength law"}
-RESPONSES = ("strain_at_common_time_percent", "displacement_at_common_time_mm", "flow_time_s",
-             "rupture_time_s", "minimum_creep_rate_per_s", "largest_stress_kPa",
+RESPONSES = ("strain_at_common_time_percent", "displacement_at_common_time_mm",
+             "broken_bonds_at_common_time", "flow_time_s", "rupture_time_s",
+             "minimum_creep_rate_per_s", "largest_stress_kPa",
              "strain_at_largest_stress_percent")  # what statistics are made of
 
 
@@ -45,6 +46,9 @@ class Group:
             column = ("displacement_at_common_time_mm" if run.result.kind is DISPLACEMENT
                       else "strain_at_common_time_percent")
             run.numbers[column] = run_summary.strain_at(run, self.common_time)
+            if run.result.volumes:
+                run.numbers["broken_bonds_at_common_time"] = run_summary.broken_at(
+                    run, self.common_time)
 
     def values(self, column):
         """Amounts of a column, without zeros and what is not known, and of which runs."""

@@ -41,6 +41,7 @@ QUANTITIES = {
     "rupture_time_s": ("rupture time", 1, "s"), "flow_time_s": ("flow time", 1, "s"),
     "strain_at_common_time_percent": ("strain at the common time", 1, "%"),
     "displacement_at_common_time_mm": ("displacement at the common time", 1, "mm"),
+    "broken_bonds_at_common_time": ("broken bonds at the common time", 1, ""),
     "minimum_creep_rate_per_s": ("minimum creep rate", 1, "1/s"),
     "largest_stress_kPa": ("largest stress", 1e-3, "MPa"),
     "strain_at_largest_stress_percent": ("strain at the largest stress", 1, "%")}

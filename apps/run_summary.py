@@ -52,6 +52,12 @@ def strain_at(run, time):
     return float(np.interp(time, *run.result.curve()))
 
 
+def broken_at(run, time):
+    """Bonds that are broken in all volumes of a body at a time."""
+    volumes = run.result.volumes
+    return float(np.interp(time, volumes["time_s"], volumes["broken_bonds"]))
+
+
 def common_time(runs):
     """Half of the earliest rupture time, or the earliest end [s]."""
     return min((run.numbers["rupture_time_s"] / 2 if run.ruptured else run.numbers["end_time_s"]
@@ -99,8 +105,9 @@ def creep_numbers(r):
 def numbers(r):
     """What a run shows in numbers; nan for what it does not show."""
     row = dict.fromkeys(NUMBERS, np.nan)
-    row.update(end_time_s=r.end, broken_bonds=len(r.breakages["time_s"]), bonds=r.n_bonds,
-               wall_time_s=float(r.about["wall_time_s"]))
+    n_broken = r.volumes["broken_bonds"][-1] if r.volumes else len(r.breakages["time_s"])
+    row.update(end_time_s=r.end, broken_bonds=n_broken, wall_time_s=float(r.about["wall_time_s"]),
+               bonds=float(r.about["bonds"]) if r.volumes else r.n_bonds)
     end = "displacement_at_end_mm" if r.kind is DISPLACEMENT else "strain_at_end_percent"
     row[end] = r.history[r.kind.column][-1]
     if r.test == "creep":

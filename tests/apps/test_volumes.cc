@@ -1,6 +1,6 @@
-#include "apps/text.h"
 #include "tests/apps/body_runs.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,15 +66,11 @@ std::vector<double> strains(const command::Folder& folder, const std::string& ru
   return column(folder, "results/" + run + "/history.csv", "axial_strain", "1");
 }
 
-/// The last number of a column that has no unit.
+/// The last number of a column by its whole name.
 double last(const command::Folder& folder, const std::string& run, const std::string& name,
             const std::string& file = "volumes.csv")
 {
-  const std::vector<std::string> lines =
-      apps::split(apps::trimmed(folder.read("results/" + run + "/" + file)), '\n');
-  const std::vector<std::string> names = apps::split(lines.front(), ',');
-  const auto place = std::size_t(std::ranges::find(names, name) - names.begin());
-  return std::stod(apps::split(lines.back(), ',').at(place));
+  return body_runs::numbers(folder, "results/" + run + "/" + file, name).back();
 }
 
 void expect_same(const std::vector<double>& a, const std::vector<double>& b, double tolerance)
@@ -141,6 +137,25 @@ TEST(Volumes, GoOnAfterAnInterruptionOnAnotherNumberOfRanks)
   ASSERT_EQ(resumed.exit_code, 0) << resumed.output;
   expect_same(strains(whole, "creep"), strains(parts, "creep"), 1e-7);
   EXPECT_EQ(last(whole, "creep", "broken_bonds"), last(parts, "creep", "broken_bonds"));
+}
+
+TEST(Volumes, StudiesTellTheScatterOfWhatBreaks)
+{
+  const command::Folder folder;
+  folder.write("seeds.scene",
+               scene + "subsection Study\n  set Vary = Loading/Axial stress; Strength/Seed\n"
+                       "  set Values = 400 kPa; 1, 11, 21\nend\n");
+  const Finished done = mastic(folder, {"run", "seeds.scene", "--quiet"});
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  const std::string summary = "results/seeds/summary.csv";
+  std::vector<double> broken = body_runs::numbers(folder, summary, "broken_bonds");
+  ASSERT_EQ(broken.size(), 3u);
+  std::ranges::sort(broken);
+  EXPECT_GT(broken[0], 16);
+  EXPECT_EQ(body_runs::numbers(folder, summary, "bonds")[0], 16 * 120);
+  const std::string statistics = folder.read("results/seeds/statistics.csv");
+  EXPECT_TRUE(contains(statistics, fmt::format("broken_bonds_at_common_time,3,{:g},", broken[1])))
+      << statistics;
 }
 
 TEST(Volumes, ABodyThatComesApartSaysWhenAndWhere)
