@@ -1,9 +1,5 @@
 #include "dem/link_matrix.h"
 
-#include "dem/network_matrix.h"
-
-#include <algorithm>
-
 namespace dem {
 
 namespace {
@@ -26,6 +22,35 @@ Motion motion_of(const LinkDofs& dofs, const Eigen::VectorXd& x, Index body)
   if (dofs.support[body] == Support::top && dofs.platen_dof >= 0)
     return {Vec3(0, 0, x[dofs.platen_dof]), Vec3::Zero()};
   return {Vec3::Zero(), Vec3::Zero()};
+}
+
+/// Product of two small matrices, written out: a general product takes longer to begin.
+Mat3 times(const Mat3& a, const Mat3& b)
+{
+  Mat3 result;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i)
+      result(i, j) = a(i, 2) * b(2, j) + (a(i, 1) * b(1, j) + a(i, 0) * b(0, j));
+  return result;
+}
+
+/// Rounded before it is added to anything, not fused with the sum.
+[[gnu::noinline]] Mat3 scaled(const Mat3& matrix, double first, double second)
+{
+  return second * Mat3(first * matrix);
+}
+
+/// What the scaled turn of a body moves at the contact point, and its turn; nothing at a platen.
+struct End {
+  Mat3 lever;
+  double turn;
+};
+
+End end_of(const Vec3& arm, double radius)
+{
+  if (radius > 0)
+    return {cross_matrix(arm) / radius, 1 / radius};
+  return {Mat3::Zero(), 0};
 }
 
 /// D v for the tangent of the force.
@@ -51,18 +76,23 @@ LinkStiffness link_stiffness(const LinkTangent& t, double radius_first, double r
   const Mat3 force =
       (t.k_n - sideways) * normal + sideways * identity - t.k_s * Mat3(t.slip * t.slip.transpose());
   const Mat3 moment = (t.k_t - t.k_b) * normal + t.k_b * identity;
-  Eigen::Matrix<double, 3, 12> shift = Eigen::Matrix<double, 3, 12>::Zero(), turn = shift;
-  shift.block<3, 3>(0, 0) = -identity;
-  shift.block<3, 3>(0, 6) = identity;
-  if (radius_first > 0) {
-    shift.block<3, 3>(0, 3) = cross_matrix(t.arm_first * t.normal) / radius_first;
-    turn.block<3, 3>(0, 3) = -identity / radius_first;
+  const double sign[2] = {-1, 1};
+  const End end[2] = {end_of(t.arm_first * t.normal, radius_first),
+                      end_of(t.arm_second * t.normal, radius_second)};
+  LinkStiffness result;
+  for (int i = 0; i < 2; ++i) {
+    const Mat3 to_force = times(force, end[i].lever);
+    const Mat3 to_moment = end[i].lever.transpose() * force;
+    for (int j = 0; j < 2; ++j) {
+      const double both = sign[i] * sign[j];
+      result.block<3, 3>(6 * i, 6 * j) = both * force;
+      result.block<3, 3>(6 * i + 3, 6 * j) = sign[j] * to_moment;
+      result.block<3, 3>(6 * j, 6 * i + 3) = sign[j] * to_force;
+      result.block<3, 3>(6 * i + 3, 6 * j + 3) =
+          times(to_moment, end[j].lever) + scaled(moment, end[i].turn, both * end[j].turn);
+    }
   }
-  if (radius_second > 0) {
-    shift.block<3, 3>(0, 9) = cross_matrix(t.arm_second * t.normal) / radius_second;
-    turn.block<3, 3>(0, 9) = identity / radius_second;
-  }
-  return shift.transpose() * force * shift + turn.transpose() * moment * turn;
+  return result;
 }
 
 LinkDofs make_dofs(const Bodies& bodies, bool platen_is_free)
@@ -140,76 +170,6 @@ Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, c
   for (const double each : on_platen)
     y[dofs.platen_dof] += each;
   return y;
-}
-
-SymmetricPattern link_pattern(std::span<const std::array<Index, 2>> ends, const LinkDofs& dofs)
-{
-  ElasticNetwork network;
-  network.radius = dofs.radius;
-  network.first_dof = dofs.first_dof;
-  network.support = dofs.support;
-  network.platen_dof = dofs.platen_dof;
-  network.n_dofs = dofs.n_dofs;
-  for (const auto& each : ends) {
-    ElasticNetwork::Bond bond{};
-    bond.ends = each;
-    network.bonds.push_back(bond);
-  }
-  return stiffness_pattern(network);
-}
-
-std::vector<double> link_values(const LinkMatrix& matrix, const SymmetricPattern& pattern,
-                                const LinkDofs& dofs)
-{
-  std::vector<double> values(pattern.row.size(), 0.0);
-  const auto entry = [&](Index row, Index column) {
-    const auto first = pattern.row.begin() + pattern.column_start[column];
-    const auto last = pattern.row.begin() + pattern.column_start[column + 1];
-    const auto found = std::lower_bound(first, last, row);
-    return found != last && *found == row ? int(found - pattern.row.begin()) : -1;
-  };
-  const auto platen_of = [&](Index body) {
-    return dofs.support[body] == Support::top ? dofs.platen_dof : -1;
-  };
-  for (std::size_t k = 0; k < matrix.tangent.size(); ++k) {
-    const LinkTangent& t = matrix.tangent[k];
-    const auto [a, b] = matrix.ends[k];
-    const bool together = dofs.first_dof[a] < 0 && dofs.support[a] == dofs.support[b];
-    if (!t.carries() || together)
-      continue;
-    const Index dof[2] = {dofs.first_dof[a], dofs.first_dof[b]};
-    const Index platen[2] = {platen_of(a), platen_of(b)};
-    if (dof[0] >= 0 && dof[1] >= 0 && entry(std::max(dof[0], dof[1]), std::min(dof[0], dof[1])) < 0)
-      continue;
-    const LinkStiffness block = link_stiffness(t, dofs.radius[a], dofs.radius[b]);
-    for (int end = 0; end < 2; ++end) {
-      const int other = 1 - end;
-      // Columns of a body have the same rows below its own ones.
-      const int below_at = dof[end] >= 0 && dof[other] > dof[end]
-                               ? entry(dof[other], dof[end]) - pattern.column_start[dof[end]]
-                               : -1;
-      if (dof[end] >= 0)
-        for (int c = 0; c < 6; ++c) {
-          double* column = values.data() + pattern.column_start[dof[end] + c];
-          for (int r = c; r < 6; ++r)
-            column[r - c] += block(6 * end + r, 6 * end + c);
-          if (below_at >= 0) {
-            double* below = column + below_at - c;
-            for (int r = 0; r < 6; ++r)
-              below[r] += block(6 * other + r, 6 * end + c);
-          }
-          if (platen[other] >= 0)
-            if (const int at = entry(platen[other], dof[end] + c); at >= 0)
-              values[at] += block(6 * other + 2, 6 * end + c);
-        }
-      if (platen[end] >= 0)
-        values[entry(platen[end], platen[end])] += block(6 * end + 2, 6 * end + 2);
-    }
-  }
-  for (std::size_t i = 0; i < dofs.first_dof.size(); ++i)
-    for (int c = 0; c < 6 && dofs.first_dof[i] >= 0; ++c)
-      values[pattern.column_start[dofs.first_dof[i] + c]] += matrix.hold[i];
-  return values;
 }
 
 } // namespace dem

@@ -1,7 +1,6 @@
 #pragma once
 #include "dem/link_mechanics.h"
 #include "dem/network.h"
-#include "dem/supernodal_factor.h"
 
 #include <Eigen/Core>
 
@@ -39,13 +38,5 @@ LinkStiffness link_stiffness(const LinkTangent& tangent, double radius_first, do
 /// K x, each body's row by itself: the same bits on any number of threads.
 Eigen::VectorXd product(const LinkMatrix& matrix, const BodyLinks& body_links, const LinkDofs& dofs,
                         const Eigen::VectorXd& x, int n_threads);
-
-/// Pattern of K for these links.
-SymmetricPattern link_pattern(std::span<const std::array<Index, 2>> ends, const LinkDofs& dofs);
-
-/// Values of the lower triangle of K, in the order of a pattern. Links outside of it are left out:
-/// the matrix serves as a preconditioner.
-std::vector<double> link_values(const LinkMatrix& matrix, const SymmetricPattern& pattern,
-                                const LinkDofs& dofs);
 
 } // namespace dem

@@ -309,8 +309,8 @@ Mat6 VolumeFollower::condensed(std::span<const LinkTangent> tangent, const Links
     matrix.ends.push_back({link.first, link.second});
   if (matrix.ends != analysed_) {
     analysed_ = matrix.ends;
-    pattern_ = link_pattern(analysed_, v.dofs);
-    factor_.emplace(*pattern_);
+    assembly_.emplace(analysed_, v.dofs);
+    factor_.emplace(assembly_->pattern());
   }
   Mat6 energy = Mat6::Zero();
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(v.dofs.n_dofs, 6);
@@ -329,9 +329,9 @@ Mat6 VolumeFollower::condensed(std::span<const LinkTangent> tangent, const Links
     loads.middleRows<6>(v.dofs.first_dof[link.first]) += force.topRows<6>();
     loads.middleRows<6>(v.dofs.first_dof[link.second]) += force.bottomRows<6>();
   }
-  std::vector<double> values = link_values(matrix, *pattern_, v.dofs);
+  std::vector<double> values = assembly_->values(matrix);
   const auto add = [&](Index dof, double spring) {
-    values[std::size_t(pattern_->column_start[std::size_t(dof)])] += spring;
+    values[std::size_t(assembly_->pattern().column_start[std::size_t(dof)])] += spring;
   };
   for (Index c = 0; c < 3; ++c) // the loads balance: one sphere can be held without force
     add(v.dofs.first_dof[0] + c, stiffness);

@@ -100,7 +100,7 @@ private:
   const QuasistaticVolume* volume_;
   EquilibriumFinder finder_;
   std::vector<std::array<Index, 2>> analysed_; ///< ends of the links of the pattern
-  std::optional<SymmetricPattern> pattern_;
+  std::optional<LinkAssembly> assembly_;
   std::optional<SupernodalFactor> factor_;
 };
 

@@ -41,34 +41,23 @@ Verdict verdict(long n_iterations, double left, bool stale)
 
 void StaleFactor::analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs)
 {
-  for (auto& each : ends)
-    each = {std::min(each[0], each[1]), std::max(each[0], each[1])};
-  std::ranges::sort(ends);
-  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  analysed_ = std::move(ends);
-  pattern_ = link_pattern(analysed_, dofs);
-  factor_.emplace(*pattern_, FactorPrecision::single_to_precondition);
+  assembly_ = std::make_unique<LinkAssembly>(std::move(ends), dofs);
+  factor_.emplace(assembly_->pattern(), FactorPrecision::single_to_precondition);
   ++statistics_.n_analyses;
 }
 
 void StaleFactor::factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness)
 {
-  std::vector<std::array<Index, 2>> carrying;
-  for (std::size_t k = 0; k < matrix.tangent.size(); ++k)
-    if (matrix.tangent[k].carries())
-      carrying.push_back({std::min(matrix.ends[k][0], matrix.ends[k][1]),
-                          std::max(matrix.ends[k][0], matrix.ends[k][1])});
-  const auto outside = std::size_t(std::ranges::count_if(
-      carrying, [&](const auto& pair) { return !std::ranges::binary_search(analysed_, pair); }));
-  if (!pattern_ || outside > most_outside)
+  if (!assembly_ || assembly_->n_outside(matrix) > most_outside)
     analyse(matrix.ends, dofs); // near ones too: they may carry next
   auto next = std::make_shared<FactorisedMatrix>();
-  next->ends = analysed_;
-  next->values = link_values(matrix, *pattern_, dofs);
+  next->ends = assembly_->pairs();
+  next->values = assembly_->values(matrix);
   next->stiffness = stiffness;
   if (!factor_->factorise(next->values)) { // rounding: hold everything a little
-    for (int c = 0; c < pattern_->size(); ++c)
-      next->values[pattern_->column_start[c]] *= 1 + 1e-9;
+    const SymmetricPattern& pattern = assembly_->pattern();
+    for (int c = 0; c < pattern.size(); ++c)
+      next->values[pattern.column_start[c]] *= 1 + 1e-9;
     factor_->factorise(next->values);
   }
   statistics_.n_factor_nonzeros = factor_->n_nonzeros();

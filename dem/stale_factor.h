@@ -1,5 +1,5 @@
 #pragma once
-#include "dem/link_matrix.h"
+#include "dem/link_assembly.h"
 
 #include <memory>
 #include <optional>
@@ -61,8 +61,7 @@ private:
   void analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs);
 
   Wear wear_;
-  std::vector<std::array<Index, 2>> analysed_; ///< sorted ends of the pattern
-  std::optional<SymmetricPattern> pattern_;
+  std::unique_ptr<LinkAssembly> assembly_;
   std::optional<SupernodalFactor> factor_;
   Statistics statistics_;
 };

@@ -97,18 +97,19 @@ std::vector<int> counts(std::span<const int> first)
 
 struct SupernodalFactor::Data {
   std::vector<int> position; ///< of each unknown in the order of the factor
-  Supernodes nodes;
+  std::shared_ptr<const FrontPlan> plan;
+  const Supernodes& nodes;
   long n_nonzeros;
   std::vector<int> supernode_of; ///< of each column of the factor
   std::optional<FrontalCholesky<float>> in_single;
-  FrontalCholesky<double> in_double; ///< where single precision is not enough too
+  std::optional<FrontalCholesky<double>> in_double; ///< made when it is needed
   std::variant<std::monostate, FactorStrips<double>, FactorStrips<float>> strips;
   mutable std::vector<Lanes> work; ///< scratch, zero between calls
 
   Data(const SymmetricPattern& pattern, Analysis&& analysis, FactorPrecision precision)
-      : position(std::move(analysis.position)), nodes(std::move(analysis.nodes)),
-        n_nonzeros(analysis.n_nonzeros), supernode_of(position.size()),
-        in_double(pattern, position, nodes)
+      : position(std::move(analysis.position)),
+        plan(std::make_shared<FrontPlan>(pattern, position, std::move(analysis.nodes))),
+        nodes(plan->nodes()), n_nonzeros(analysis.n_nonzeros), supernode_of(position.size())
   {
     for (int s = 0; s < nodes.size(); ++s)
       std::fill(supernode_of.begin() + nodes.first_column[s],
@@ -116,7 +117,7 @@ struct SupernodalFactor::Data {
     if (precision == FactorPrecision::full)
       strips.emplace<FactorStrips<double>>(counts(nodes.first_column), counts(nodes.first_row));
     else {
-      in_single.emplace(pattern, position, nodes);
+      in_single.emplace(plan);
       strips.emplace<FactorStrips<float>>(counts(nodes.first_column), counts(nodes.first_row));
     }
   }
@@ -149,10 +150,15 @@ bool SupernodalFactor::factorise(std::span<const double> values)
       strips.store(s, columns, stride);
     };
   };
+  const auto in_double = [&](const auto& store) {
+    if (!d.in_double)
+      d.in_double.emplace(d.plan);
+    return d.in_double->factorise(values, store);
+  };
   if (auto* full = std::get_if<FactorStrips<double>>(&d.strips))
-    return d.in_double.factorise(values, store_in(*full));
+    return in_double(store_in(*full));
   const auto store = store_in(std::get<FactorStrips<float>>(d.strips));
-  return d.in_single->factorise(values, store) || d.in_double.factorise(values, store);
+  return d.in_single->factorise(values, store) || in_double(store);
 }
 
 SupernodalFactor::SparseColumns
@@ -192,11 +198,15 @@ SupernodalFactor::half_solve(std::span<const Index> rows,
 
 namespace {
 
-/// Zeros for a front and its padding, on the boundary of a register.
-double* zero_front(std::vector<Lanes>& memory, std::size_t n_rows)
+/// The front of these rows with its padding, on the boundary of a register.
+double* gather(std::span<const int> rows, const double* y, std::vector<Lanes>& memory)
 {
-  memory.assign((n_rows + front_padding) / n_lanes + 1, no_lanes());
-  return reinterpret_cast<double*>(memory.data());
+  memory.resize(std::max(memory.size(), (rows.size() + front_padding) / n_lanes + 1));
+  double* front = reinterpret_cast<double*>(memory.data());
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    front[r] = y[rows[r]];
+  std::fill_n(front + rows.size(), front_padding, 0.0);
+  return front;
 }
 
 } // namespace
@@ -207,12 +217,10 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
   Eigen::VectorXd y(b.size());
   for (Eigen::Index i = 0; i < b.size(); ++i)
     y[d.position[i]] = b[i];
-  std::vector<Lanes> aligned;
+  std::vector<Lanes> memory;
   for (int s = 0; s < d.nodes.size(); ++s) {
     const std::span<const int> row = d.nodes.rows(s);
-    double* front = zero_front(aligned, row.size());
-    for (std::size_t r = 0; r < row.size(); ++r)
-      front[r] = y[row[r]];
+    double* front = gather(row, y.data(), memory);
     d.with_strips([&](const auto& strips) { strips.eliminate(s, front); });
     for (std::size_t r = 0; r < row.size(); ++r)
       y[row[r]] = front[r];
@@ -223,12 +231,10 @@ Eigen::VectorXd SupernodalFactor::half_solve(const Eigen::VectorXd& b) const
 Eigen::VectorXd SupernodalFactor::back_solve(Eigen::VectorXd y) const
 {
   const Data& d = *data_;
-  std::vector<Lanes> aligned;
+  std::vector<Lanes> memory;
   for (int s = d.nodes.size() - 1; s >= 0; --s) {
     const std::span<const int> row = d.nodes.rows(s);
-    double* front = zero_front(aligned, row.size());
-    for (std::size_t r = 0; r < row.size(); ++r)
-      front[r] = y[row[r]];
+    double* front = gather(row, y.data(), memory);
     d.with_strips([&](const auto& strips) { strips.substitute(s, front); });
     std::copy_n(front, d.nodes.n_columns(s), y.data() + d.nodes.first_column[s]);
   }

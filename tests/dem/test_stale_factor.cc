@@ -60,7 +60,48 @@ struct Tangent {
   Eigen::VectorXd b;
 };
 
+/// K x with the values of an assembly.
+Eigen::VectorXd assembled_product(const SymmetricPattern& pattern, std::span<const double> values,
+                                  const Eigen::VectorXd& x)
+{
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  for (int c = 0; c < pattern.size(); ++c)
+    for (int p = pattern.column_start[c]; p < pattern.column_start[c + 1]; ++p) {
+      y[pattern.row[p]] += values[p] * x[c];
+      if (pattern.row[p] != c)
+        y[c] += values[p] * x[pattern.row[p]];
+    }
+  return y;
+}
+
 } // namespace
+
+TEST(LinkAssembly, IsTheMatrixOfTheProduct)
+{
+  for (const bool platen_is_free : {false, true}) {
+    Tangent tangent;
+    if (platen_is_free)
+      tangent.dofs.platen_dof = tangent.dofs.n_dofs++;
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(tangent.dofs.n_dofs, -1, 2);
+    LinkAssembly assembly(tangent.matrix.ends, tangent.dofs);
+    for (const LinkMatrix& matrix : {tangent.matrix, tangent.damaged(3)}) {
+      const Eigen::VectorXd expected = product(matrix, tangent.links_of, tangent.dofs, x, 1);
+      const Eigen::VectorXd found =
+          assembled_product(assembly.pattern(), assembly.values(matrix), x);
+      EXPECT_LT((found - expected).norm(), 1e-13 * expected.norm());
+    }
+  }
+}
+
+TEST(LinkAssembly, CountsWhatCarriesOutside)
+{
+  const Tangent tangent;
+  std::vector<LinkAssembly::Ends> pairs = tangent.matrix.ends;
+  pairs.resize(pairs.size() - 7);
+  LinkAssembly assembly(pairs, tangent.dofs);
+  EXPECT_EQ(assembly.n_outside(tangent.matrix), 7);
+  EXPECT_EQ(assembly.n_outside(tangent.damaged(1)), 0);
+}
 
 TEST(StaleFactor, ServesTheSameMatrixAgain)
 {
