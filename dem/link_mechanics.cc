@@ -167,6 +167,7 @@ LinkAnswer answer(const LinkStep& step, std::size_t k, const Configuration& now)
     result.distance =
         (branch(link, *step.bodies, step.centre, step.stretch) + approach(step, link, now)).norm();
     if (result.distance >= link.touch) {
+      result.tangent.gap = result.distance - link.touch;
       result.frame = link.frame;
       result.tangent.normal = link.frame.normal;
       return result;

@@ -40,6 +40,7 @@ struct LinkTangent {
   Vec3 normal, slip;
   double arm_first, arm_second; ///< from the centres to the contact point, along n and -n [m]
   double k_n = 0, k_s = 0, k_v = 0, k_t = 0, k_b = 0;
+  double gap = 0; ///< that a link which does not carry has yet to close [m]
 
   bool carries() const { return k_n > 0 || k_s > 0 || k_v > 0; }
 };

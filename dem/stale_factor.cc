@@ -1,6 +1,7 @@
 #include "dem/stale_factor.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace dem {
 
@@ -20,6 +21,9 @@ constexpr double enough_then = 0.03, enough_at_last = 0.1, hopeless = 0.6;
 constexpr long most_failures = 5;
 /// Links that carry outside the pattern before it is analysed anew.
 constexpr std::size_t most_outside = 4;
+/// Gap over the mean radius up to which open links are in the pattern: they may carry next. More of
+/// them make the factor larger, fewer make analyses more frequent.
+constexpr double relative_reach = 0.025;
 
 enum class Verdict { go_on, take, give_up };
 
@@ -37,6 +41,21 @@ Verdict verdict(long n_iterations, double left, bool stale)
   return n_iterations == few_iterations && left > hopeless ? Verdict::give_up : Verdict::go_on;
 }
 
+double mean_radius(const LinkDofs& dofs)
+{
+  return std::accumulate(dofs.radius.begin(), dofs.radius.end(), 0.0) / double(dofs.radius.size());
+}
+
+/// Pairs that carry or nearly touch.
+std::vector<std::array<Index, 2>> pairs_in_reach(const LinkMatrix& matrix, double reach)
+{
+  std::vector<std::array<Index, 2>> pairs;
+  for (std::size_t k = 0; k < matrix.tangent.size(); ++k)
+    if (matrix.tangent[k].carries() || matrix.tangent[k].gap <= reach)
+      pairs.push_back(matrix.ends[k]);
+  return pairs;
+}
+
 } // namespace
 
 void StaleFactor::analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs& dofs)
@@ -49,7 +68,7 @@ void StaleFactor::analyse(std::vector<std::array<Index, 2>> ends, const LinkDofs
 void StaleFactor::factorise(const LinkMatrix& matrix, const LinkDofs& dofs, double stiffness)
 {
   if (!assembly_ || assembly_->n_outside(matrix) > most_outside)
-    analyse(matrix.ends, dofs); // near ones too: they may carry next
+    analyse(pairs_in_reach(matrix, relative_reach * mean_radius(dofs)), dofs);
   auto next = std::make_shared<FactorisedMatrix>();
   next->ends = assembly_->pairs();
   next->values = assembly_->values(matrix);

@@ -21,7 +21,7 @@ struct FactorisedMatrix {
 /// some solutions after one for which a stale factor was too far off, for more of them the more
 /// often that happened in a row: in an avalanche it will be so again.
 /// With a stale factor the residual is driven down only as far as that pays within a Newton search.
-/// The pattern is analysed anew when links that carry lie outside it.
+/// The pattern is that of the links that carry or nearly do, and analysed anew when others carry.
 class StaleFactor {
 public:
   struct Statistics {

@@ -103,6 +103,25 @@ TEST(LinkAssembly, CountsWhatCarriesOutside)
   EXPECT_EQ(assembly.n_outside(tangent.damaged(1)), 0);
 }
 
+TEST(StaleFactor, AnalysesAnewWhenOthersCarry)
+{
+  const Tangent tangent;
+  LinkMatrix apart = tangent.damaged(2);
+  for (LinkTangent& each : apart.tangent)
+    if (!each.carries())
+      each.gap = 1;
+  StaleFactor factor;
+  for (int n = 0; n < 12; ++n)
+    tangent.solve(factor, apart);
+  EXPECT_EQ(factor.statistics().n_analyses, 1);
+  const long n_before = factor.statistics().n_factor_nonzeros;
+  tangent.solve(factor, tangent.matrix); // stale, or the factorisation that finds them
+  for (int n = 0; factor.statistics().n_analyses == 1 && n < 20; ++n)
+    tangent.solve(factor, n % 2 == 0 ? tangent.matrix : tangent.damaged(3));
+  EXPECT_EQ(factor.statistics().n_analyses, 2);
+  EXPECT_GT(factor.statistics().n_factor_nonzeros, n_before);
+}
+
 TEST(StaleFactor, ServesTheSameMatrixAgain)
 {
   const Tangent tangent;
