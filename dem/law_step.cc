@@ -128,14 +128,30 @@ double stored_energy(const CreepLaw& law, const double* memory, double multiplie
   return 0.5 * energy / multiplier;
 }
 
+namespace {
+
+/// Whether a duration is so short that forces are linear in it under either scheme, and what the
+/// dashpots move is lost in rounding.
+bool is_moment(const CreepLaw& law, double duration)
+{
+  constexpr double share = 1e-4; // of the time in which something happens
+  double rate = law.maxwell_viscosity ? law.maxwell_stiffness / *law.maxwell_viscosity : 0.0;
+  for (const KelvinBranch& branch : law.branches)
+    rate += (law.maxwell_stiffness + branch.stiffness) / branch.viscosity;
+  return duration * rate < share;
+}
+
+} // namespace
+
 double dissipated_energy(const CreepLaw& law, const LawStep& step, const double* before,
                          const double* after, double increment, double multiplier)
 {
   const double h = step.duration;
   if (h == 0 || multiplier == 0)
     return 0;
-  if (step.scheme == StepScheme::displacement_linear) { // work less what is stored
-    double impulse = 0; // mean force times h, from the balance of the dashpots' elongations
+  if (step.scheme == StepScheme::displacement_linear &&
+      !is_moment(law, h)) { // work less what is stored
+    double impulse = 0;     // mean force times h, from the balance of the dashpots' elongations
     double elongation = increment * multiplier - (after[0] - before[0]) / law.maxwell_stiffness;
     for (std::size_t k = 0; k < law.branches.size(); ++k)
       elongation -= after[1 + k] - before[1 + k];

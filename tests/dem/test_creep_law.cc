@@ -1,4 +1,5 @@
 #include "dem/creep_law.h"
+#include "dem/law_step.h"
 #include "dem/phi_functions.h"
 #include "tests/dem/laws.h"
 
@@ -213,4 +214,24 @@ TEST(CreepLaw, ProportionalLawsAreRecognised)
   EXPECT_NEAR(proportionality(law, scaled(law, 0.3)).value(), 0.3, 1e-15);
   EXPECT_FALSE(proportionality(law, with_viscosities_scaled(law, 2)));
   EXPECT_FALSE(proportionality(law, laws::burgers_set("asphalt")));
+}
+
+TEST(LawStep, DissipatesNothingInNoTimeUnderEitherScheme)
+{
+  const CreepLaw law = laws::wide();
+  const int n_parts = 1 + int(law.branches.size());
+  const double before[] = {0.7, 1e-7, -3e-7, 2e-6}, increment = 1e-6;
+  for (const StepScheme scheme : {StepScheme::force_linear, StepScheme::displacement_linear})
+    for (const double moment : {1e-40, 1e-20, 1e-12}) {
+      const LawStep step = law_step(law, scheme, moment, n_parts);
+      double after[4] = {};
+      for (int p = 0; p < n_parts; ++p) {
+        after[p] = step.gain[p] * increment;
+        for (int q = 0; q < n_parts; ++q)
+          after[p] += step.carry(p, q) * before[q];
+      }
+      const double dissipated = dissipated_energy(law, step, before, after, increment, 1);
+      EXPECT_GE(dissipated, 0) << moment;
+      EXPECT_LT(dissipated, 1e-4 * moment) << moment; // some N^2 over some 1e5 N s/m
+    }
 }
