@@ -127,10 +127,13 @@ End end_of(const ContinuumInProgress<dim>& run)
   if (!run.march.has_lost && run.march.is_settled)
     return {dem::RunEnd::strain_limit, fmt::format("strain limit at t = {:.6g} s", run.march.time)};
   const fem::Vec3 place = most_strained_place(run);
+  const bool by_volume = run.ranks.any(run.points->has_lost());
   return {dem::RunEnd::lost_equilibrium,
-          fmt::format("no equilibrium at t = {:.6g} s: bonds went on breaking; most strained at "
-                      "({:.3g}, {:.3g}, {:.3g}) mm",
-                      run.march.time, 1e3 * place[0], 1e3 * place[1], 1e3 * place[2])};
+          fmt::format("no equilibrium at t = {:.6g} s: {} ({:.3g}, {:.3g}, {:.3g}) mm",
+                      run.march.time,
+                      by_volume ? "that of a volume is lost, at"
+                                : "bonds went on breaking; most strained at",
+                      1e3 * place[0], 1e3 * place[1], 1e3 * place[2])};
 }
 
 /// What a run has come to, of all ranks.
