@@ -100,7 +100,7 @@ def main():
     parser.add_argument("--mastic", default=str(repository / "build" / "bin" / "mastic"))
     parser.add_argument("--case", choices=cases, action="append", help="default: both")
     parser.add_argument("--spheres", type=int, choices=sizes, default=6000)
-    parser.add_argument("--batch", type=int, nargs="*", default=[256], help="values of the batch")
+    parser.add_argument("--batch", type=int, nargs="*", default=[128], help="values of the batch")
     parser.add_argument("--repeat", type=int, default=1, help="medians of so many runs")
     parser.add_argument("--refined", action="store_true", help="make the refined answers")
     parser.add_argument("--kept", type=pathlib.Path, default=repository / "build" / "bench-kept",

@@ -200,7 +200,7 @@ TEST(Volumes, BadInputIsOneClearError)
   folder.write("creep.scene", scene);
   const Case cases[] = {
       {{"Body/Law = some.law"}, "the law of volumes is their own"},
-      {{"Bonds/After breakage = friction"}, "know no friction"},
+      {{"Bonds/After breakage = friction"}, "know friction with Volumes/Solver"},
       {{"Strength/Distribution = none"}, "need Material = law only"},
       {{"Body/Shape = cylinder", "Body/Section = meridian"}, "not the same around an axis"},
       {{"Continuum/Refinement times = 5 s"}, "cannot be carried over"},
