@@ -141,8 +141,11 @@ void make_body(ContinuumInProgress<dim>& run)
   const Scene& scene = *run.scene.scene;
   const ContinuumInput& v = scene.continuum;
   run.probes.reset();
+  const double tolerance = is_followed(scene) // what volumes leave out of balance is less
+                               ? std::max(v.solver_tolerance, scene.quasistatic.residual_tolerance)
+                               : v.solver_tolerance;
   run.specimen.emplace(run.mesh, fem::Discretisation{int(v.order), v.dilatation}, body_loads(scene),
-                       v.solver_tolerance);
+                       tolerance);
   make_points(run);
   if (!run.places.empty())
     run.probes.emplace(*run.specimen, run.places);

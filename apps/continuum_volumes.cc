@@ -20,6 +20,8 @@ namespace apps {
 namespace {
 
 constexpr double size_agreement = 1.25;
+/// Out-of-balance force in volumes, over that of the body: what they leave must not stir it.
+constexpr double volume_tightness = 1e-2;
 
 /// A number that stands for a point whatever the ranks: of the name of its cell and its place.
 std::uint64_t point_key(const std::string& cell, std::size_t point)
@@ -54,17 +56,13 @@ dem::Strengths strengths_of(const Scene& scene, const dem::VolumeElement& elemen
   return {endless, endless, 0};
 }
 
-bool is_followed(const Scene& scene)
-{
-  return breaks(scene.continuum) && scene.continuum.volumes.solver == VolumeSolver::quasistatic;
-}
-
 coupling::QuasistaticPoints::Volume followed_volume(const Scene& scene, dem::VolumeElement element,
                                                     dem::Strengths strengths)
 {
   dem::QuasistaticSettings settings = scene.quasistatic;
   settings.after_breakage = scene.after_breakage;
   settings.friction = scene.friction;
+  settings.residual_tolerance *= volume_tightness;
   auto volume = std::make_shared<const dem::QuasistaticVolume>(
       dem::make_quasistatic_volume(std::move(element), std::move(strengths), settings));
   if (!volume->creep && scene.continuum.body.material != MaterialChoice::all_live)
@@ -182,6 +180,11 @@ fem::ComplianceLaw elastic_law(const dem::QuasistaticVolume& volume)
 }
 
 } // namespace
+
+bool is_followed(const Scene& scene)
+{
+  return breaks(scene.continuum) && scene.continuum.volumes.solver == VolumeSolver::quasistatic;
+}
 
 BodyLaws laws_of(const Scene& scene, const BodyVolumes& volumes)
 {

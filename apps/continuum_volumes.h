@@ -41,6 +41,9 @@ BodyVolumes make_volumes(const LoadedScene& scene, const Ranks& ranks,
                          const fem::Elements<dim>& elements, const std::filesystem::path& packings,
                          int n_threads, bool trial, KnownVolumes& known);
 
+/// Whether the quasi-static solver follows the volumes of a body.
+bool is_followed(const Scene& scene);
+
 /// The exact laws of intact volumes; their elastic parts only, if bonds follow several laws.
 BodyLaws laws_of(const Scene& scene, const BodyVolumes& volumes);
 

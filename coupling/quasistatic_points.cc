@@ -44,6 +44,10 @@ struct QuasistaticPoints::Idle {
 
 namespace {
 
+/// What a volume carries that is torn apart, over what it carried intact: nodes without stiffness
+/// would go anywhere.
+constexpr double residual_stiffness = 1e-8;
+
 /// Largest ratio of force to strength; bonds without strength count as a very large one.
 double largest(std::span<const double> ratios)
 {
@@ -99,7 +103,7 @@ QuasistaticPoints::QuasistaticPoints(std::vector<Volume> volumes, std::vector<in
   for (const Volume& each : volumes_) {
     const auto rest = dem::at_rest(*each);
     const auto elastic = dem::VolumeFollower(*each).step(rest, Vec6::Zero(), 0);
-    intact_trace_.push_back(elastic ? elastic->tangent.trace() : 0);
+    intact_.push_back(elastic ? elastic->tangent : Mat6::Zero());
   }
   if (!law_)
     for (std::size_t q = 0; q < n; ++q)
@@ -149,8 +153,11 @@ fem::ConstitutiveAnswer QuasistaticPoints::evaluate(std::span<const Vec6> increm
     is_lost_[q] = char(!trial_[q]);
     trial_stress_[q] = trial_[q] ? trial_[q]->state.stress
                                  : Vec6::Constant(std::numeric_limits<double>::quiet_NaN());
-    if (trial_[q])
-      tangents_[q] = trial_[q]->tangent;
+    if (!trial_[q])
+      return;
+    const Mat6& intact = intact_[std::size_t(volume_of_point_[q])];
+    trial_stress_[q] += residual_stiffness * intact * (record_.strain()[q] + increment[q]);
+    tangents_[q] = trial_[q]->tangent + residual_stiffness * intact;
   });
   return {trial_stress_, tangents_, which_};
 }
@@ -202,7 +209,7 @@ void QuasistaticPoints::commit()
   for (std::size_t q = 0; q < size(); ++q)
     if (state_[q] && trial_[q]) { // what was lost stays as it was
       n_passages_ += trial_[q]->n_passages;
-      stress_[q] = trial_[q]->state.stress;
+      stress_[q] = trial_stress_[q];
       state_[q] = std::make_shared<const QuasistaticVolumeState>(std::move(trial_[q]->state));
       trial_[q].reset();
     }
@@ -215,13 +222,14 @@ void QuasistaticPoints::commit()
       if (!state_[q])
         stress_[q] = law_->stress()[q];
   }
+  const bool at_jump = step_ == 0 && (!has_changed_ || record_.is_at_start());
   has_changed_ = false;
   step_ = 0;
-  if (!record_.is_instantaneous())
+  if (!at_jump || !record_.is_instantaneous())
     return;
   dem::for_each_realisation(int(size()), settings_.n_threads, [&](int k) {
-    if (const auto q = std::size_t(k); state_[q])
-      record_.set_rate(q, creep_rate(q));
+    const auto q = std::size_t(k);
+    record_.set_rate(q, state_[q] ? creep_rate(q) : law_->strain_rate(q));
   });
 }
 
@@ -238,7 +246,8 @@ double QuasistaticPoints::share_without_change()
     const double factor_before = record_.strength_factor(q, 0);
     const double factor_after = record_.strength_factor(q, 1);
     for (std::size_t b = 0; b < after.size(); ++b) {
-      const double from = before[b] / factor_before, to = after[b] / factor_after;
+      const double from = before[b] > 0 ? before[b] / factor_before : 0;
+      const double to = after[b] > 0 ? after[b] / factor_after : 0;
       if (to >= 1 && from < 1)
         share = std::min(share, (1 - from) / (to - from));
     }
@@ -251,10 +260,7 @@ double QuasistaticPoints::overload()
   const double enough = 1 - settings_.breakage_tolerance;
   double worst = law_ ? law_->overload() : 0;
   for (std::size_t q = 0; q < size(); ++q) {
-    overload_[q] = state_[q] ? std::min(largest(dem::strength_ratios(volume(q), *state_[q])) /
-                                            record_.strength_factor(q, 0),
-                                        without_strength)
-                             : law_->overload_of(q);
+    overload_[q] = state_[q] ? std::min(strength_use(q), without_strength) : law_->overload_of(q);
     worst = std::max(worst, overload_[q]);
   }
   return worst >= enough ? std::max(1., worst) : worst;
@@ -282,7 +288,7 @@ void QuasistaticPoints::change(double largest_overload)
   follow(new_ones);
   for (const std::size_t q : changing) {
     const std::vector<double> ratios = dem::strength_ratios(volume(q), *state_[q]);
-    const double from = least * record_.strength_factor(q, 0);
+    const double from = largest(ratios) * (least / overload_[q]);
     std::vector<dem::Index> bonds;
     for (std::size_t b = 0; b < ratios.size(); ++b)
       if (ratios[b] > 0 && ratios[b] >= from)
@@ -337,7 +343,7 @@ PointDamage QuasistaticPoints::damage(std::size_t point) const
     return {};
   const std::size_t broken = dem::n_broken(volume(point), *state_[point]);
   const auto elastic = step_of(point, Vec6::Zero(), 0);
-  const double trace = intact_trace_[std::size_t(volume_of_point_[point])];
+  const double trace = intact_[std::size_t(volume_of_point_[point])].trace();
   return {true, double(broken) / double(volume(point).assembly.bonds.size()),
           elastic && trace > 0 ? 1 - elastic->tangent.trace() / trace : 1, since_[point]};
 }
@@ -346,8 +352,8 @@ double QuasistaticPoints::strength_use(std::size_t point) const
 {
   if (!state_[point])
     return law_->strength_use(point);
-  return largest(dem::strength_ratios(volume(point), *state_[point])) /
-         record_.strength_factor(point, 0);
+  const double loaded = largest(dem::strength_ratios(volume(point), *state_[point]));
+  return loaded > 0 ? loaded / record_.strength_factor(point, 0) : 0;
 }
 
 double QuasistaticPoints::largest_strength_use() const

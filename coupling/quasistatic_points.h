@@ -36,6 +36,7 @@ public:
   void commit() override;
   double overload() override;
   void change(double largest_overload) override;
+  bool are_affine() const override { return false; }
   bool has_lost() const override;
   std::span<const fem::Vec6> stress() const override { return stress_; }
   std::span<const fem::Vec6> strain() const override { return record_.strain(); }
@@ -83,7 +84,7 @@ private:
   std::optional<VolumePoints> law_;
   StrainRecord record_;
   std::shared_ptr<Idle> idle_;
-  std::vector<double> intact_trace_; ///< of the elastic stiffness of each volume [Pa]
+  std::vector<fem::Mat6> intact_; ///< elastic stiffness of each volume [Pa]
 
   std::vector<std::shared_ptr<const dem::QuasistaticVolumeState>> state_; ///< of those followed
   std::vector<double> since_;                                             ///< first breakage [s]

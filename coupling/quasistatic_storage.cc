@@ -149,13 +149,13 @@ std::size_t QuasistaticPoints::numbers_of_state() const
 
 std::size_t QuasistaticPoints::numbers_per_point() const
 {
-  return n_scalars + 6 + record_.numbers_per_point() + (law_ ? law_->numbers_per_point() : 0) +
-         numbers_of_state();
+  return n_scalars + 6 + record_.numbers_per_point() +
+         std::max(law_ ? law_->numbers_per_point() : 0, numbers_of_state());
 }
 
 void QuasistaticPoints::store(std::size_t point, std::span<double> numbers) const
 {
-  assert(numbers.size() == numbers_per_point());
+  assert(numbers.size() >= numbers_per_point());
   std::ranges::fill(numbers, 0);
   const QuasistaticVolumeState* state = followed(point);
   const std::size_t n_links = state ? state->links.link.size() : 0;
@@ -170,18 +170,15 @@ void QuasistaticPoints::store(std::size_t point, std::span<double> numbers) cons
   std::size_t place = n_scalars + 6;
   record_.store(point, numbers.subspan(place, record_.numbers_per_point()));
   place += record_.numbers_per_point();
-  if (law_) {
-    law_->store(point, numbers.subspan(place, law_->numbers_per_point()));
-    place += law_->numbers_per_point();
-  }
-  Writer rest(numbers.subspan(place));
-  if (state)
+  if (Writer rest(numbers.subspan(place)); state)
     write_state(rest, *state);
+  else
+    law_->store(point, numbers.subspan(place));
 }
 
 void QuasistaticPoints::restore(std::size_t point, std::span<const double> numbers)
 {
-  assert(numbers.size() == numbers_per_point());
+  assert(numbers.size() >= numbers_per_point());
   Reader from(numbers);
   const bool is_followed = from.number() != 0;
   since_[point] = from.number();
@@ -191,15 +188,14 @@ void QuasistaticPoints::restore(std::size_t point, std::span<const double> numbe
   std::size_t place = n_scalars + 6;
   record_.restore(point, numbers.subspan(place, record_.numbers_per_point()));
   place += record_.numbers_per_point();
-  if (law_) {
-    law_->restore(point, numbers.subspan(place, law_->numbers_per_point()));
-    place += law_->numbers_per_point();
-  }
-  Reader rest(numbers.subspan(place));
   state_[point].reset();
-  if (is_followed)
-    state_[point] = std::make_shared<const QuasistaticVolumeState>(
-        read_state(rest, volume(point), parts_of(volume(point)), n_links));
+  if (!is_followed)
+    return law_->restore(point, numbers.subspan(place));
+  Reader rest(numbers.subspan(place));
+  state_[point] = std::make_shared<const QuasistaticVolumeState>(
+      read_state(rest, volume(point), parts_of(volume(point)), n_links));
+  if (law_)
+    law_->leave(point);
 }
 
 } // namespace coupling

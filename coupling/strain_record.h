@@ -29,6 +29,8 @@ public:
   /// for.
   bool is_instantaneous() const;
 
+  bool is_at_start() const { return time_ <= start_; } ///< no time has passed yet
+
   /// The rate of the instant [1/s], where a jump or a step does not tell it.
   void set_rate(std::size_t point, const fem::Vec6& rate) { rate_[point] = rate; }
 

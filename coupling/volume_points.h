@@ -122,6 +122,12 @@ public:
   /// stands still, as with `change`.
   void release(std::span<const std::size_t> points);
 
+  /// The same for a point that somebody else has followed before.
+  void leave(std::size_t point) { is_released_[point] = 1; }
+
+  /// Rate that the strengths of a point see at present [1/s].
+  fem::Vec6 strain_rate(std::size_t point) const { return smooth_rate(point, instant(0)); }
+
 private:
   /// An instant of the trial step, and the window of the rate law that ends there.
   struct Instant {

@@ -31,7 +31,7 @@ std::size_t VolumePoints::numbers_per_point() const
 
 void VolumePoints::store(std::size_t point, std::span<double> numbers) const
 {
-  assert(numbers.size() == numbers_per_point());
+  assert(numbers.size() >= numbers_per_point());
   std::ranges::fill(numbers, 0);
   auto to = numbers.begin();
   for (const auto* field : {&strain_, &stress_, &elastic_, &slope_, &jumps_})
@@ -56,7 +56,7 @@ void VolumePoints::store(std::size_t point, std::span<double> numbers) const
 
 void VolumePoints::restore(std::size_t point, std::span<const double> numbers)
 {
-  assert(numbers.size() == numbers_per_point());
+  assert(numbers.size() >= numbers_per_point());
   auto from = numbers.begin();
   for (auto* field : {&strain_, &stress_, &elastic_, &slope_, &jumps_}) {
     std::copy_n(from, 6, (*field)[point].data());

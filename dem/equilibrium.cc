@@ -102,10 +102,12 @@ void EquilibriumFinder::evaluate_body(const EquilibriumProblem& problem, Index i
     moment += sign * moment_[k] + arm * t.normal.cross(force_[k]);
   }
   if (dof >= 0) {
-    const double hold = problem.hold[i];
-    residual.segment<3>(dof) = problem.external.segment<3>(dof) + force - hold * x.segment<3>(dof);
-    residual.segment<3>(dof + 3) = problem.external.segment<3>(dof + 3) + moment / dofs_.radius[i] -
-                                   hold * x.segment<3>(dof + 3);
+    Vec6 held = problem.hold[i] * x.segment<6>(dof);
+    if (problem.carried.size() > 0)
+      held -= problem.hold[i] * problem.carried.segment<6>(dof);
+    residual.segment<3>(dof) = problem.external.segment<3>(dof) + force - held.head<3>();
+    residual.segment<3>(dof + 3) =
+        problem.external.segment<3>(dof + 3) + moment / dofs_.radius[i] - held.tail<3>();
   } else
     on_top_[i] = force.z();
 }
@@ -183,8 +185,8 @@ void EquilibriumFinder::evaluate_near(const EquilibriumProblem& problem,
 void EquilibriumFinder::relax(const EquilibriumProblem& problem, double wanted, Equilibrium& result,
                               Residual& residual)
 {
-  const LocalProblem local{&problem.step, problem.body_links, &dofs_,
-                           problem.hold,  &problem.external,  0.3 * wanted};
+  const LocalProblem local{&problem.step,     problem.body_links, &dofs_,          problem.hold,
+                           &problem.external, 0.3 * wanted,       &problem.carried};
   for (int round = 0; round < most_relaxations && residual.largest > wanted; ++round) {
     const auto groups = unbalanced_groups(local, matrix_.tangent, residual.force);
     if (groups.empty())

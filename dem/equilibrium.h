@@ -17,6 +17,7 @@ struct EquilibriumProblem {
   double tolerance;                ///< out-of-balance force over the largest link force
   double stiffness;                ///< mean algorithmic stiffness of the links [N/m]
   Mat3 cell_strain = Mat3::Zero(); ///< change of the strain of the periodic cell in the step [-]
+  Eigen::VectorXd carried = {};    ///< what the strain of the cell moves: no hold acts against it
   double least_force = 0;          ///< forces below are as nothing: where all has come apart [N]
 };
 

@@ -71,6 +71,9 @@ public:
       result.residual.segment<6>(d) =
           problem_.external->segment<6>(problem_.dofs->first_dof[bodies_[g]]) -
           hold * own.segment<6>(d);
+      if (problem_.carried && problem_.carried->size() > 0)
+        result.residual.segment<6>(d) +=
+            hold * problem_.carried->segment<6>(problem_.dofs->first_dof[bodies_[g]]);
       if (with_matrix)
         result.matrix.diagonal().segment<6>(d).array() += hold;
     }

@@ -8,9 +8,10 @@ struct LocalProblem {
   const LinkStep* step;
   const BodyLinks* body_links;
   const LinkDofs* dofs;
-  std::span<const double> hold;    ///< viscous hold of each body over the step [N/m]
-  const Eigen::VectorXd* external; ///< forces on the dofs
-  double tolerance;                ///< force that may stay out of balance [N]
+  std::span<const double> hold;             ///< viscous hold of each body over the step [N/m]
+  const Eigen::VectorXd* external;          ///< forces on the dofs
+  double tolerance;                         ///< force that may stay out of balance [N]
+  const Eigen::VectorXd* carried = nullptr; ///< motion that no hold acts against, if not empty
 };
 
 /// Bodies with more than a share of the largest force out of balance, and their neighbours, in

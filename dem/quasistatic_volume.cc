@@ -80,8 +80,11 @@ std::vector<LawStep> law_steps(const Assembly& assembly, StepScheme scheme, doub
 bool is_outdated(const QuasistaticVolume& volume, const QuasistaticVolumeState& state)
 {
   const Mat3 images = (state.strain - state.searched_at) * volume.element.cell.edges;
-  return contacts_outdated(state.links, state.centre, volume.skin) ||
-         4 * images.colwise().norm().maxCoeff() > volume.skin;
+  double moved = 0;
+  for (std::size_t i = 0; i < state.centre.size(); ++i)
+    moved = std::max(moved, (state.centre[i] - state.links.reference[i]).norm());
+  const double nearer = 2 * moved + images.colwise().norm().sum();
+  return 2 * nearer > volume.skin; // half the skin is left for the next step
 }
 
 QuasistaticVolumeState with_contacts(const QuasistaticVolume& volume, QuasistaticVolumeState state)
@@ -254,6 +257,9 @@ std::optional<VolumeFollower::Found> VolumeFollower::attempt(const QuasistaticVo
     stiffness += law.stiffness() / double(laws.size());
   const BodyLinks links_of = body_links(from.links, from.centre.size());
   const bool slides = v.settings.after_breakage == AfterBreakage::friction;
+  Eigen::VectorXd carried = Eigen::VectorXd::Zero(v.dofs.n_dofs);
+  for (Index i = 0; i < v.bodies.n_particles(); ++i)
+    carried.segment<3>(v.dofs.first_dof[i]) = increment * v.element.particles.centre[i];
   const EquilibriumProblem problem{
       {&v.assembly, &v.bodies, &from.links, from.centre, laws, slides ? v.settings.friction : 0,
        v.settings.regularisation, v.settings.geometry, Mat3::Identity() + from.strain},
@@ -265,13 +271,11 @@ std::optional<VolumeFollower::Found> VolumeFollower::attempt(const QuasistaticVo
       looseness * v.settings.residual_tolerance,
       stiffness,
       increment,
+      carried,
       least_force_share * stiffness * (from.strain + increment).norm() *
           std::ranges::min(v.element.particles.radius)};
-  Eigen::VectorXd guess = Eigen::VectorXd::Zero(v.dofs.n_dofs);
-  for (Index i = 0; i < v.bodies.n_particles(); ++i)
-    guess.segment<3>(v.dofs.first_dof[i]) = increment * v.element.particles.centre[i];
   finder_.factor().begin_anew();
-  Found found{finder_.find(problem, guess), {from, Mat6::Zero(), 0, 0}};
+  Found found{finder_.find(problem, carried), {from, Mat6::Zero(), 0, 0}};
   if (!found.equilibrium.found)
     return std::nullopt;
   QuasistaticVolumeState& state = found.step.state;
@@ -354,6 +358,7 @@ std::optional<QuasistaticVolumeStep> VolumeFollower::step(const QuasistaticVolum
   if (auto found = attempt(from, change, duration, 0))
     return std::move(found->step);
   QuasistaticVolumeState state = from;
+  std::optional<QuasistaticVolumeStep> first; // in which the time of the step passes
   double hold = first_hold;
   for (int passage = 0; passage < most_passages && hold < largest_hold; ++passage) {
     const bool is_first = passage == 0;
@@ -362,10 +367,14 @@ std::optional<QuasistaticVolumeStep> VolumeFollower::step(const QuasistaticVolum
       moved = attempt(state, is_first ? change : Mat3::Zero(), is_first ? duration : 0, hold);
     if (!moved)
       return std::nullopt;
-    state = std::move(moved->step.state);
+    state = moved->step.state;
+    if (is_first)
+      first = std::move(moved->step);
     hold = std::max(hold / 3, first_hold);
     if (auto found = attempt(state, Mat3::Zero(), 0, 0)) {
       found->step.n_passages = passage + 1;
+      found->step.tangent = first->tangent;
+      found->step.error = first->error;
       return std::move(found->step);
     }
   }

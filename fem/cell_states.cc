@@ -4,18 +4,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
 namespace fem {
 
+namespace {
+
+/// Numbers for the state of a point: as many as the rank needs whose points need most.
+template <int dim>
+std::size_t room_per_point(const Elements<dim>& elements, const MaterialPoints& points)
+{
+  const auto own = std::uint64_t(points.numbers_per_point());
+  return std::size_t(dealii::Utilities::MPI::max(own, elements.ranks()));
+}
+
+} // namespace
+
 template <int dim>
 std::vector<std::vector<double>> cell_states(const Specimen<dim>& specimen,
                                              const MaterialPoints& points)
 {
   const Elements<dim>& elements = specimen.elements();
-  const std::size_t n_q = elements.points_per_cell(), n = points.numbers_per_point();
+  const std::size_t n_q = elements.points_per_cell(), n = room_per_point(elements, points);
   std::vector<std::vector<double>> states(elements.n_cells());
   for (std::size_t cell = 0; cell < elements.n_cells(); ++cell) {
     for (const auto dof : elements.cell_dofs(cell))
@@ -33,7 +46,7 @@ void restore_cell_states(Specimen<dim>& specimen, MaterialPoints& points,
                          const std::vector<std::vector<double>>& states, double drive_displacement)
 {
   const Elements<dim>& elements = specimen.elements();
-  const std::size_t n_q = elements.points_per_cell(), n = points.numbers_per_point();
+  const std::size_t n_q = elements.points_per_cell(), n = room_per_point(elements, points);
   Vector displacement = elements.zero();
   for (std::size_t cell = 0; cell < elements.n_cells(); ++cell) {
     const auto& dofs = elements.cell_dofs(cell);

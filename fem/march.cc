@@ -37,7 +37,8 @@ void attempt(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
   state.n_assemblies += report.assembled;
 }
 
-/// The same; false if some point found no state of its own, on all ranks alike.
+/// The same; false if there is no equilibrium because some point found no state of its own, or
+/// because points are not linear in the step, on all ranks alike.
 template <int dim>
 bool try_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
               const LoadState& load, double duration, double reduced_step)
@@ -46,7 +47,8 @@ bool try_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state
     attempt(specimen, points, state, load, duration, reduced_step);
     return true;
   } catch (const NoEquilibrium&) {
-    if (dealii::Utilities::MPI::max(int(points.has_lost()), specimen.elements().ranks()) == 0)
+    const int mine = points.has_lost() || !points.are_affine();
+    if (dealii::Utilities::MPI::max(mine, specimen.elements().ranks()) == 0)
       throw;
     return false;
   }
@@ -65,6 +67,8 @@ double step_error(const Specimen<dim>& specimen, const MaterialPoints& points, d
 }
 
 constexpr double strain_at_rupture = 0.5;
+/// Least step over that which is wanted, where points lose their equilibrium.
+constexpr double least_share_found = 1e-6;
 
 double largest_strain(const MaterialPoints& points)
 {
@@ -113,8 +117,9 @@ void settle(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
   }
 }
 
-/// A step shortened to where the first point changes, if one does within it.
-/// \return its duration
+/// A step shortened to where the first point changes, if one does within it, and further as long as
+/// points find no equilibrium there.
+/// \return its duration; 0 if there is none
 template <int dim>
 double shortened(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                  const History& history, double step)
@@ -124,11 +129,15 @@ double shortened(Specimen<dim>& specimen, MaterialPoints& points, MarchState& st
   if (share >= 1)
     return step;
   const double least = std::nextafter(state.time, std::numeric_limits<double>::max()) - state.time;
-  const double shorter = std::min(step, std::max(share * step, least));
-  const double end = state.time + shorter;
-  attempt(specimen, points, state, history.load(end), shorter,
-          history.reduced_time(end) - history.reduced_time(state.time));
-  return shorter;
+  double shorter = std::min(step, std::max(share * step, least));
+  for (; shorter >= least_share_found * step; shorter *= 0.25) {
+    const double end = state.time + shorter;
+    if (try_step(specimen, points, state, history.load(end), shorter,
+                 history.reduced_time(end) - history.reduced_time(state.time)))
+      return shorter;
+    ++state.n_rejected;
+  }
+  return 0;
 }
 
 } // namespace
@@ -137,11 +146,12 @@ template <int dim>
 void apply_jump(Specimen<dim>& specimen, MaterialPoints& points, MarchState& state,
                 const History& history)
 {
-  const LoadState load = history.load(state.time);
-  attempt(specimen, points, state, load, 0, 0);
+  state.next_step = 0;
+  state.has_lost = !try_step(specimen, points, state, history.load(state.time), 0, 0);
+  if (state.has_lost)
+    return;
   commit(specimen, points);
   settle(specimen, points, state, history);
-  state.next_step = 0;
 }
 
 template <int dim>
@@ -152,8 +162,7 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
     settle(specimen, points, state, history);
     return;
   }
-  constexpr double least_share = 1e-12;      // of the way to the stop
-  constexpr double least_share_found = 1e-6; // where points lose their equilibrium
+  constexpr double least_share = 1e-12; // of the way to the stop
   const double way = stop - state.time;
   double h = state.next_step > 0 ? state.next_step : settings.first_step;
   h = step_within(h, way);
@@ -175,6 +184,9 @@ void march_step(Specimen<dim>& specimen, MaterialPoints& points, MarchState& sta
     const double error = step_error(specimen, points, size);
     if (error <= settings.tolerance) {
       const double held = shortened(specimen, points, state, history, h);
+      state.has_lost = held == 0;
+      if (state.has_lost)
+        return;
       commit(specimen, points);
       const bool whole = held == h;
       state.time = whole ? end : state.time + held;

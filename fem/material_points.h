@@ -62,6 +62,9 @@ public:
   /// stands still. The next step must be a jump, which restores equilibrium.
   virtual void change(double /*largest_overload*/) {}
 
+  /// Whether stresses are affine in the strain increments of a step.
+  virtual bool are_affine() const { return true; }
+
   /// Whether some point has found no state of its own in the trial step: a smaller one may do.
   virtual bool has_lost() const { return false; }
 
@@ -76,7 +79,8 @@ public:
   /// made [s]; empty if there is nothing of that kind.
   virtual std::span<const double> costs() const { return {}; }
 
-  /// The state of a point as numbers, for storage and transfer.
+  /// The state of a point as numbers, for storage and transfer. There may be more room than these
+  /// points need; what is stored is laid out by the room.
   virtual std::size_t numbers_per_point() const = 0;
   virtual void store(std::size_t point, std::span<double> numbers) const = 0;
   virtual void restore(std::size_t point, std::span<const double> numbers) = 0;

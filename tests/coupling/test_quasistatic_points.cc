@@ -246,13 +246,19 @@ TEST(QuasistaticPoints, ABodyGoesOnToTheEndOfItsVolumes)
 TEST(QuasistaticPoints, ABodyCreepsAsInTheClosedForm)
 {
   const dem::VolumeElement element = elements::random_cube(60, 1);
-  const dem::Strengths strengths = dem::draw_strengths(
+  const dem::Strengths clamped = dem::draw_strengths(
       {dem::NormalStrength{54, 44}, dem::NonpositiveRule::clamp, 0.5}, element.bonds.id, 1);
   VolumeSettings settings = settings_of(VolumeUse::adaptive);
   settings.breakage_tolerance = 0.02;
   settings.rate_law.floor = 1e-7; // at the load, strengths see the rate of creep
   settings.rate_law.window = 1;
-  for (const dem::AfterBreakage rule : {dem::AfterBreakage::leave, dem::AfterBreakage::pressed}) {
+  struct Case {
+    dem::AfterBreakage rule;
+    dem::Strengths strengths;
+  };
+  for (const auto& [rule, strengths] :
+       {Case{dem::AfterBreakage::leave, clamped}, Case{dem::AfterBreakage::pressed, clamped},
+        Case{dem::AfterBreakage::leave, weibull(element, 22, 0.5)}}) {
     const VolumeFamily family = make_family(element, strengths, rule);
     FollowedCube followed(
         [&](std::size_t n_points) { return points_of(family, n_points, settings); });
@@ -264,8 +270,10 @@ TEST(QuasistaticPoints, ABodyCreepsAsInTheClosedForm)
     closed.run_to(history, 20);
     EXPECT_GT(closed.points.n_broken(), 0u);
     EXPECT_EQ(followed.points.n_broken(), closed.points.n_broken());
-    // a contact that has opened may close again here
-    const double tolerance = rule == dem::AfterBreakage::leave ? 2e-5 : 2e-3;
+    // contacts that have opened may close again here; and what breaks later, within the step
+    // tolerance, breaks at another time
+    const bool all_at_once = closed.state.n_changes <= 2;
+    const double tolerance = rule == dem::AfterBreakage::leave && all_at_once ? 2e-5 : 2e-3;
     EXPECT_NEAR(followed.points.strain()[0][2], closed.points.strain()[0][2],
                 tolerance * std::abs(closed.points.strain()[0][2]));
   }
