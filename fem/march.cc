@@ -130,7 +130,8 @@ double shortened(Specimen<dim>& specimen, MaterialPoints& points, MarchState& st
     return step;
   const double least = std::nextafter(state.time, std::numeric_limits<double>::max()) - state.time;
   double shorter = std::min(step, std::max(share * step, least));
-  for (; shorter >= least_share_found * step; shorter *= 0.25) {
+  const double least_found = least_share_found * shorter;
+  for (; shorter >= least_found; shorter *= 0.25) {
     const double end = state.time + shorter;
     if (try_step(specimen, points, state, history.load(end), shorter,
                  history.reduced_time(end) - history.reduced_time(state.time)))
